@@ -1,0 +1,38 @@
+"""The mathematics: the normal modes of a scheme.
+
+The public names are found here and loaded when first used, so that a command pays only for what it needs.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from gks.modes.analysis import analyse
+    from gks.modes.derive import Derivation, derive
+    from gks.modes.verdict import Mode, ModeKind, ModesResult, Verdict
+
+__all__ = ["Derivation", "Mode", "ModeKind", "ModesResult", "Verdict", "analyse", "derive"]
+
+_HOME = {
+    "Derivation": "derive",
+    "Mode": "verdict",
+    "ModeKind": "verdict",
+    "ModesResult": "verdict",
+    "Verdict": "verdict",
+    "analyse": "analysis",
+}
+
+
+def __getattr__(name: str) -> object:
+    # `derive` is both a module and the function in it; the function is what users mean.
+    if name == "derive":
+        from gks.modes.derive import derive
+
+        globals()["derive"] = derive
+        return derive
+    if name in _HOME:
+        from importlib import import_module
+
+        return getattr(import_module(f"gks.modes.{_HOME[name]}"), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

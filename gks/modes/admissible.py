@@ -1,0 +1,153 @@
+"""Which spatial roots belong to a normal mode at a given point, exactly.
+
+Off the circle a solution is admissible when abs(x) < 1 (x the spatial root of the mirrored half-line). At a point with
+abs(z) = 1 the admissible space is the limit of the decaying one as abs(z) -> 1+, so a root on the circle counts when it
+is the end of a branch that comes from inside.
+
+For a scalar field that is Cauchy stable, P and its z-derivative do not vanish together on abs(z) = abs(x) = 1 (roots z
+there are simple). With q the multiplicity of x0 the branches near (z0, x0) are, to leading order in eps = z/z0 - 1,
+
+    eta**q = -(b / a) eps,    x = x0 (1 + eta),    a = x0**q P_{x..x} / q!,    b = z0 dP/dz,
+
+and eps > 0 moves a branch inside when Re eta < 0. For q = 1 this is the sign of the group velocity (Trefethen, J. Comput.
+Phys. 49 (1983), eq. 3.4), for q > 1 a glancing point. A branch with Re eta = 0 to leading order would leave the circle
+sideways and break Cauchy stability, so the sign is always decided by balls at some precision.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import factorial
+
+from flint import acb, arb, ctx, fmpz_mpoly
+
+from gks.modes.algebraic import GUARD_BITS, START_BITS, Position, Root
+from gks.modes.fibre import FibreRoot, at_balls, fibre, is_zero
+from gks.modes.kreiss import Family, NormalModeProblem
+from gks.modes.undecided import Undecided
+
+DIRECTION_BITS = 1 << 13
+"""Precision at which a direction that is still open is given up: no Cauchy-stable field needs it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Candidate:
+    """A point at which Delta may vanish: sigma, and the growth factor z (None under `exact`, where z = exp(lam s))."""
+
+    sigma: Root
+    z: Root | None
+    multiplicity: int
+    position: Position
+    """Of z relative to the unit circle."""
+
+
+@dataclass(frozen=True, slots=True)
+class Admissible:
+    """The admissible spatial roots of one family: those inside, and those that the circle contributes."""
+
+    inside: tuple[FibreRoot, ...]
+    limiting: tuple[tuple[FibreRoot, int], ...]
+    """Roots on the circle with the number of their branches that come from inside."""
+
+    @property
+    def count(self) -> int:
+        return sum(r.multiplicity for r in self.inside) + sum(count for _, count in self.limiting)
+
+    def strictly(self) -> list[Root]:
+        """The roots inside, repeated by multiplicity."""
+        return [r.root for r in self.inside for _ in range(r.multiplicity)]
+
+    def on_circle(self) -> list[Root]:
+        return [r.root for r, count in self.limiting for _ in range(count)]
+
+
+def point_of(problem: NormalModeProblem, candidate: Candidate) -> dict[str, Root]:
+    """Coordinates of everything a field's symbol holds."""
+    return {**problem.coefficients.point(), problem.variable: candidate.sigma}
+
+
+def admissible(problem: NormalModeProblem, family: Family, candidate: Candidate) -> Admissible:
+    """Splits the spatial roots at a candidate; Undecided where a direction stays open."""
+    point = point_of(problem, candidate)
+    roots = fibre(point, family.polynomial, "x")
+    inside = tuple(r for r in roots if r.position is Position.INSIDE)
+    circle = [r for r in roots if r.position is Position.ON]
+    if candidate.position is not Position.ON or not circle:
+        return Admissible(inside, ())
+    slope = _outward_slope(problem, family, candidate)
+    limiting = [(r, _incoming_branches(problem, family, candidate, r, slope)) for r in circle]
+    found = Admissible(inside, tuple((r, count) for r, count in limiting if count))
+    if found.count != family.decaying:
+        raise Undecided(
+            f"{found.count} admissible spatial roots were found where {family.decaying} decay outside the circle"
+        )
+    return found
+
+
+def _outward_slope(problem: NormalModeProblem, family: Family, candidate: Candidate) -> tuple[fmpz_mpoly, fmpz_mpoly]:
+    """b = z0 dP/dz as a quotient of polynomials in sigma, z and x.
+
+    With the variable s, dP/dz = P_s ds/dz and ds/dz = -pi_z / pi_s; under `exact` z ds/dz = 1/lam.
+    """
+    gens = problem.coefficients.gens
+    if problem.variable == "z":
+        return family.polynomial.derivative("z") * gens["z"], problem.coefficients.context.constant(1)
+    slope = family.polynomial.derivative("s")
+    pi = problem.time_map
+    if pi is None:
+        return slope, problem.coefficients.context.constant(1)
+    return -slope * gens["z"] * pi.derivative("z"), pi.derivative("s")
+
+
+def _incoming_branches(
+    problem: NormalModeProblem,
+    family: Family,
+    candidate: Candidate,
+    root: FibreRoot,
+    slope: tuple[fmpz_mpoly, fmpz_mpoly],
+) -> int:
+    q = root.multiplicity
+    bend = family.polynomial
+    for _ in range(q):
+        bend = bend.derivative("x")
+    point = point_of(problem, candidate)
+    if candidate.z is not None:
+        point["z"] = candidate.z
+    point["x"] = root.root
+    if any(is_zero(point, part) for part in slope):
+        raise Undecided("z does not move with the spatial root at a point on the circle")
+    bits = START_BITS
+    while bits <= DIRECTION_BITS:
+        with ctx.workprec(bits + GUARD_BITS):
+            at = {name: each.ball(bits) for name, each in point.items()}
+            a = at["x"] ** q * at_balls(bend, at) / factorial(q)
+            b = at_balls(slope[0], at) / at_balls(slope[1], at)
+            count = _inward(-b / a, q)
+        if count is not None:
+            return count
+        bits *= 2
+    raise Undecided("the direction of a spatial root on the circle is open")
+
+
+def _inward(ratio: acb, q: int) -> int | None:
+    """How many q-th roots have a negative real part; None where one is not told at this precision."""
+    if not ratio.is_finite() or ratio.contains(0):
+        return None
+    if q == 1:
+        return None if ratio.real.contains(0) else int(ratio.real < 0)
+    # A principal root near the cut is as good as any other: all q of them are looked at.
+    turned = ratio if not (ratio.real < 0 and ratio.imag.contains(0)) else -ratio
+    phase = acb(0) if turned is ratio else acb(arb(1) / q)
+    first = turned ** (acb(1) / q)
+    count = 0
+    for k in range(q):
+        branch = (first * (acb(2 * k) / q + phase).exp_pi_i()).real
+        if branch.contains(0):
+            return None
+        count += int(branch < 0)
+    return count
+
+
+def coordinates(candidate: Candidate, variable: str) -> Mapping[str, Root]:
+    return {variable: candidate.sigma}

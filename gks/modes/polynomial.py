@@ -1,0 +1,215 @@
+"""The exact route: elimination of the spatial roots to the characteristic polynomial.
+
+Delta(sigma) = 0 with P(sigma, kappa_j) = 0 is an algebraic system. The determinant is written with one variable for
+each spatial root that a family has to carry: its decaying roots, or its growing ones where they are fewer (then the
+decaying factor of P is the quotient by the others). The variables are eliminated by resultants with the divided
+differences P[k_1], P[k_1, k_2], ..., the last first, which gives the product of Delta over all ways to choose the
+roots: a polynomial N(sigma) that has every zero of Delta among its roots, and more. Which of them belong to decaying
+solutions is not for this module to say.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import factorial
+
+from flint import fmpz_mpoly
+
+from gks.errors import NotAnalysable
+from gks.modes.coefficients import KAPPA_VARIABLES, Coefficients
+from gks.modes.determinant import determinant
+from gks.modes.fibre import coefficients as powers_of
+from gks.modes.kreiss import Family, NormalModeProblem, kreiss_matrix, longest, newton_columns
+
+ELIMINATION_SHEETS = 200
+"""Ways to choose the roots, beyond which the norm's degree makes the numeric route the better one."""
+
+
+class TooWide(NotAnalysable):
+    """The elimination would carry too many spatial roots."""
+
+
+class Degenerate(ArithmeticError):
+    """Delta vanishes for every value of the resolvent variable on some sheet, so that the norm is zero."""
+
+
+@dataclass(frozen=True, slots=True)
+class Factor:
+    """An irreducible factor of the characteristic polynomial, with its multiplicity there."""
+
+    polynomial: fmpz_mpoly
+    multiplicity: int
+
+
+@dataclass(frozen=True, slots=True)
+class _Carrier:
+    """How the determinant writes a family's decaying factor: the variables, and the relations they satisfy."""
+
+    variables: tuple[str, ...]
+    relations: tuple[fmpz_mpoly, ...]
+    monic: tuple[fmpz_mpoly, ...] | None
+    """The quotient P / prod(x - k_j), ascending, where the variables are the growing roots."""
+
+
+@dataclass(frozen=True, slots=True)
+class Elimination:
+    """The irreducible factors of the norm of Delta in sigma and the symbolic parameters.
+
+    ``lost_sheet`` says that Delta vanishes identically on some component of the sheets, which was divided out: the
+    caller has to make sure that it is not the component of the decaying roots.
+    """
+
+    factors: tuple[Factor, ...]
+    lost_sheet: bool
+
+
+def characteristic_factors(problem: NormalModeProblem) -> Elimination:
+    """Eliminates the spatial roots.
+
+    Powers of a symbol's leading coefficient that only clear the denominators of a quotient are left out. Raises TooWide,
+    and Degenerate where the determinant is zero as a formula.
+    """
+    sheets = 1
+    for family in problem.families:
+        sheets *= _sheets(family)
+    if sheets > ELIMINATION_SHEETS:
+        raise TooWide(
+            f"the elimination would have to tell {sheets} choices of spatial roots apart (limit {ELIMINATION_SHEETS})"
+        )
+    carriers = _carriers(problem)
+    norm = symbolic_determinant(problem, carriers)
+    repeats = 1
+    lost = False
+    for carrier in carriers:
+        repeats *= factorial(len(carrier.variables))
+        for variable, relation in reversed(list(zip(carrier.variables, carrier.relations, strict=True))):
+            norm, split = _resultant(norm, relation, variable)
+            lost = lost or split
+    norm = problem.coefficients.norm(norm)
+    if norm.is_zero():
+        raise Degenerate
+    leads = [carrier.monic[-1] for carrier in carriers if carrier.monic is not None]
+    return Elimination(tuple(_own_factors(problem, norm, repeats, leads)), lost)
+
+
+def _sheets(family: Family) -> int:
+    ways = 1
+    for k in range(_carried(family)):
+        ways *= family.degree - k
+    return ways
+
+
+def _carried(family: Family) -> int:
+    """How many of a family's roots become variables: the decaying ones, or the growing ones where they are fewer.
+
+    A lone root is a variable too: its resultant clears just the denominators that the determinant has.
+    """
+    if family.degree == family.decaying == 1:
+        return 1
+    return min(family.decaying, family.degree - family.decaying)
+
+
+def _carriers(problem: NormalModeProblem) -> list[_Carrier]:
+    carriers: list[_Carrier] = []
+    used = 0
+    for family in problem.families:
+        few = _carried(family)
+        if used + few > KAPPA_VARIABLES:
+            raise TooWide(f"the elimination would carry more than {KAPPA_VARIABLES} spatial roots")
+        names = tuple(f"k{used + j}" for j in range(few))
+        used += few
+        carriers.append(_carrier(problem.coefficients, family, names, few < family.decaying))
+    return carriers
+
+
+def _carrier(coefficients: Coefficients, family: Family, names: tuple[str, ...], growing: bool) -> _Carrier:
+    rest = powers_of(family.part, "x")
+    relations = []
+    for name in names:
+        rest, remainder = _horner(rest, coefficients.gens[name])
+        relations.append(remainder)
+    return _Carrier(names, tuple(relations), tuple(rest) if growing else None)
+
+
+def _horner(powers: Sequence[fmpz_mpoly], root: fmpz_mpoly) -> tuple[list[fmpz_mpoly], fmpz_mpoly]:
+    """Quotient and remainder of a polynomial in x by x - root."""
+    quotient: list[fmpz_mpoly] = []
+    value = powers[-1]
+    for power in reversed(powers[:-1]):
+        quotient.append(value)
+        value = power + root * value
+    return quotient[::-1], value
+
+
+def symbolic_determinant(problem: NormalModeProblem, carriers: Sequence[_Carrier] | None = None) -> fmpz_mpoly:
+    """Delta as a polynomial in sigma, the parameters and the spatial roots carried."""
+    carriers = carriers if carriers is not None else _carriers(problem)
+    coefficients = problem.coefficients
+    zero, one = coefficients.context.constant(0), coefficients.context.constant(1)
+    columns = []
+    for index, block in enumerate(problem.blocks):
+        count = longest(problem.rows, index)
+        carrier = carriers[block.family]
+        if carrier.monic is None:
+            roots = [zero] * block.zeros + [coefficients.gens[name] for name in carrier.variables]
+            columns.append(newton_columns(roots, count, zero, one))
+        else:
+            columns.append(_ghost_columns([zero] * block.zeros + list(carrier.monic), count, zero, one))
+    matrix = kreiss_matrix(problem.rows, columns, lambda c: c, zero)
+    return determinant(matrix, one)
+
+
+def _ghost_columns(
+    factor: Sequence[fmpz_mpoly], count: int, zero: fmpz_mpoly, one: fmpz_mpoly
+) -> list[list[fmpz_mpoly]]:
+    """v_n as a function of v_0, ..., v_{d-1} from the recurrence with the given factor, times a power of its lead.
+
+    x**n modulo the factor, every column times lead**(count - d) so that no denominator appears.
+    """
+    width = len(factor) - 1
+    lead = factor[-1]
+    spare = max(count - width, 0)
+    remainder = [one if j == 0 else zero for j in range(width)]
+    scaled: list[list[fmpz_mpoly]] = []
+    used = 0
+    for n in range(count):
+        if n >= width:
+            used += 1
+        scaled.append([value * lead ** (spare - used) for value in remainder])
+        top = remainder[-1] if width else zero
+        if n + 1 < width:
+            remainder = [zero, *remainder[:-1]]
+        else:
+            shifted = [zero, *remainder[:-1]]
+            remainder = [a * lead - top * b for a, b in zip(shifted, factor[:-1], strict=True)]
+    return [[scaled[n][j] for n in range(count)] for j in range(width)]
+
+
+def _resultant(norm: fmpz_mpoly, relation: fmpz_mpoly, variable: str) -> tuple[fmpz_mpoly, bool]:
+    """Eliminates a spatial root, after common factors (whole components of the sheets) are divided out."""
+    if norm.is_zero():
+        raise Degenerate
+    _, norm = norm.primitive()
+    index = norm.context().names().index(variable)
+    lost = False
+    common = norm.gcd(relation)
+    while common.degrees()[index]:
+        lost = True
+        norm = norm / common
+        common = norm.gcd(relation)
+    return norm.resultant(relation, variable), lost
+
+
+def _own_factors(
+    problem: NormalModeProblem, norm: fmpz_mpoly, repeats: int, leads: Sequence[fmpz_mpoly]
+) -> list[Factor]:
+    """The factors that hold sigma, but for the powers of leading coefficients that cleared a quotient's denominators."""
+    sigma = problem.coefficients.context.names().index(problem.variable)
+    foreign = [f for lead in leads if (f := problem.coefficients.norm(lead)).degrees()[sigma]]
+    own = []
+    for polynomial, multiplicity in norm.factor()[1]:
+        if not polynomial.degrees()[sigma] or any(divmod(f, polynomial)[1].is_zero() for f in foreign):
+            continue
+        own.append(Factor(polynomial, max(1, multiplicity // repeats)))
+    return own

@@ -1,0 +1,78 @@
+"""Roots that cluster: proved apart however close they are, and quickly."""
+
+from __future__ import annotations
+
+import pytest
+from flint import ctx, fmpz_poly
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from gks.modes.algebraic import isolated_roots
+from gks.modes.clusters import isolate
+
+x = fmpz_poly([0, 1])
+N = 10**300
+
+
+def overlaps_one_each(poly: fmpz_poly, bits: int) -> bool:
+    """Against FLINT's isolation: the same roots, one ball to one ball."""
+    mine = isolate(poly, bits)
+    assert mine is not None
+    with ctx.workprec(4 * bits):
+        theirs = [ball for ball, _ in poly.complex_roots()]  # type: ignore[misc]
+    return len(mine) == len(theirs) and all(sum(a.overlaps(b) for b in theirs) == 1 for a in mine)
+
+
+@given(st.lists(st.integers(-9, 9), min_size=3, max_size=14).filter(lambda c: c[-1] != 0))
+@settings(max_examples=60, deadline=None)
+def test_the_same_roots_as_flint(coefficients: list[int]) -> None:
+    poly = fmpz_poly(coefficients)
+    poly = poly // poly.gcd(poly.derivative())
+    if poly.degree() > 0:
+        assert overlaps_one_each(poly, 64)
+
+
+@pytest.mark.parametrize(
+    "poly",
+    [
+        10**20 * (x - 1) ** 3 + x**3,
+        (10**9 * (x**2 + 1) + x) * (10**9 * (x**2 + 1) + 2 * x) * (x - 2),
+        (10**12 * x - 1) * (x - 10**12) * (x**2 + x + 3),
+    ],
+)
+def test_moderate_clusters_agree_with_flint_too(poly: fmpz_poly) -> None:
+    assert overlaps_one_each(poly, 64)
+
+
+def test_a_pair_1e_minus_300_apart_near_one() -> None:
+    # z = 1 +- i/N: the amplification factors of a centred scheme at lam = 1e-300.
+    poly = (N * (x - 1)) ** 2 + 1
+    upper, lower = isolate(poly, 64) or []
+    with ctx.workprec(3000):
+        assert upper.imag * N > 0.999
+        assert lower.imag * N < -0.999
+
+
+def test_clusters_within_clusters() -> None:
+    # Three roots within 1/N of i, two of these within 1/N**2 of each other; their conjugates; and a root far off.
+    unit = x**2 + 1
+    poly = (N * unit + 1) * (N * unit + 2) * (N**2 * (N * unit + 2) + N) * (x - N)
+    roots = isolate(poly, 64)
+    assert roots is not None
+    assert len(roots) == 7
+    assert sum(ball.imag == 0 for ball in roots) == 1
+
+
+def test_a_triple_cluster_around_a_real_point_holds_one_real_root() -> None:
+    roots = isolate(N * (x - 1) ** 3 + x**3, 64)
+    assert roots is not None
+    assert [ball.imag == 0 for ball in roots] == [True, False, False]
+
+
+def test_none_where_roots_coincide() -> None:
+    assert isolate((x - 1) ** 2, 64) is None
+
+
+def test_the_isolation_uses_it_for_long_coefficients() -> None:
+    # FLINT alone takes four seconds for this pair.
+    assert [root.is_real for root in isolated_roots((N * (x - 1)) ** 2 + 1)] == [False, False]
