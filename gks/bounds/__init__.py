@@ -1,0 +1,1 @@
+"""The answers over parameters: stable sets in lam, curves, theorems."""

@@ -1,0 +1,236 @@
+"""The stable set over a whole sweep at once, where the closure modes do not depend on lam.
+
+Under the method of lines with a one-level closure the modes are the roots s of a polynomial N(s; p) whose coefficients are
+polynomials in the swept parameter p. Where every field has its decaying solutions on one sheet (the first-order upwind
+family: no spatial root has to be chosen), N is Delta itself. Then for a lam that is Cauchy-stable every root s with a z
+outside the circle is a normal mode, since all decaying roots decay there; so the stable set is
+
+    Cauchy set of the interior  intersected with  {lam: all z of pi(z, lam s) = 0 are inside} over the roots s,
+
+both known in closed form or as roots of small real polynomials. All of it runs over arrays in double-double arithmetic with
+proved error bounds; a point that they do not settle is left to the exact route.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+import numpy as np
+from flint import fmpz_mpoly
+
+from gks.bounds.rays import Intervals, everything, intersect, stable_intervals
+from gks.bounds.sweep import Point
+from gks.modes.algebraic import Root
+from gks.modes.cauchy import degree_in
+from gks.modes.cauchy_set import CauchySet, cauchy_set
+from gks.modes.characteristic import Field, unit_lines
+from gks.modes.coefficients import Coefficients
+from gks.modes.doubledouble import UNIT, Array, Real
+from gks.modes.fibre import coefficients as powers_of
+from gks.modes.interior import amplification, field_symbol
+from gks.modes.kreiss import NormalModeProblem, normal_mode_problem
+from gks.modes.numerals import to_double
+from gks.modes.polynomial import Degenerate, TooWide, characteristic_factors
+from gks.modes.rootbatch import MAX_DEGREE, roots
+from gks.modes.unimodular import rational_ends
+from gks.scheme.model import NamedLines, Scheme
+
+SAFE_BITS = 900
+"""Products of powers of p and coefficients are kept below 2**900, where double-double arithmetic neither over- nor underflows."""
+
+
+@dataclass(frozen=True, slots=True)
+class BatchSet:
+    """Stable intervals of every point, and the interior's own first limit (inf where it sets none)."""
+
+    stable: Intervals
+    interior_limit: Array
+
+
+def batch(scheme: Scheme, values: Mapping[str, Fraction], name: str, points: Sequence[Point]) -> BatchSet | None:
+    """The stable sets at the points, None where the scheme is not of the kind this route is for."""
+    sample = {**values, name: Fraction(points[len(points) // 2])}
+    problem = normal_mode_problem(scheme, sample, (name, scheme.cfl))
+    if not _applies(problem):
+        return None
+    try:
+        elimination = characteristic_factors(problem)
+    except (Degenerate, TooWide):
+        return None
+    factors = [factor.polynomial for factor in elimination.factors]
+    lam, swept = (problem.coefficients.variable(symbol) for symbol in (scheme.cfl, name))
+    if elimination.lost_sheet or any(degree_in(f, lam) or degree_in(f, "s") > MAX_DEGREE for f in factors):
+        return None
+    parameter = _double_double(points)
+    with np.errstate(all="ignore"):  # what overflows is flagged and goes to the exact route
+        interior = _interior(problem, swept, parameter)
+        if interior is None:
+            return None
+        result = interior
+        for factor in factors:
+            result = intersect(result, _closure(problem, factor, swept, parameter))
+        result.resolved[:] &= _same_signs(problem, swept, parameter)
+    return BatchSet(result, np.where(interior.count > 0, np.where(interior.lo[:, 0] == 0, interior.hi[:, 0], 0.0), 0.0))
+
+
+def _applies(problem: NormalModeProblem) -> bool:
+    """One clock, all spatial sheets on the decaying side, and nothing irrational in the coefficients."""
+    method = problem.resolvent.integrator
+    if problem.variable != "s" or method is None or method.kind == "exact" or problem.coefficients.generators:
+        return False
+    return all(family.decaying in (0, family.degree) for family in problem.families)
+
+
+def _double_double(points: Sequence[Point]) -> Real:
+    high, low = np.empty(len(points)), np.zeros(len(points))
+    for k, p in enumerate(points):
+        if isinstance(p, float):
+            high[k] = p
+            continue
+        double = to_double(p)
+        high[k] = np.nan if double is None else double
+        low[k] = 0.0 if double is None else float(p - Fraction(double))
+    return Real(high, low)
+
+
+# Closure --------------------------------------------------------------------------------------------------------------
+
+
+def _closure(problem: NormalModeProblem, factor: fmpz_mpoly, swept: str, parameter: Real) -> Intervals:
+    """The lam at which every z of every root s of one irreducible factor is inside the circle."""
+    method = problem.resolvent.integrator
+    assert method is not None
+    parts = [_at(part, swept, parameter) for part in powers_of(factor, "s")]
+    found = roots(
+        np.stack([value.hi for value, _ in parts], axis=1),
+        np.stack([value.lo for value, _ in parts], axis=1),
+        error=np.stack([error for _, error in parts], axis=1),
+    )
+    result = everything(len(parameter.hi))
+    for k in range(found.hi.shape[1]):
+        hi, lo, radius = found.hi[:, k], found.lo[:, k], found.radius[:, k]
+        # Coefficients are real: a disk that meets the real axis holds its root's conjugate, so its root is real.
+        real = np.abs(hi.imag + lo.imag) <= radius * np.abs(hi)
+        imaginary = Real(np.where(real, 0.0, hi.imag), np.where(real, 0.0, lo.imag))
+        mine = stable_intervals(method, Real(hi.real.copy(), lo.real.copy()), imaginary, radius)
+        result = intersect(result, mine)
+    result.resolved[:] &= found.resolved
+    return result
+
+
+def _at(polynomial: fmpz_mpoly, swept: str, parameter: Real) -> tuple[Real, Array]:
+    """A polynomial in the swept parameter, at all points, with a bound of the absolute error.
+
+    Horner's rule in double-double: every step adds at most 16 u**2 of the sum of absolute values, which is run beside it.
+    """
+    zero = np.zeros_like(parameter.hi)
+    total, size = Real(zero, zero), zero
+    parts = powers_of(polynomial, swept)
+    for part in reversed(parts):
+        constant = int(part.leading_coefficient()) if not part.is_zero() else 0
+        high = _nearest(constant)
+        total = total * parameter + Real(zero + high, zero + _nearest(constant - int(high) if np.isfinite(high) else 0))
+        size = size * np.abs(parameter.hi) + abs(high)
+    unsafe = (size > 2.0**SAFE_BITS) | ((size < 2.0**-SAFE_BITS) & (size > 0))
+    error = size * (16.0 * UNIT**2 * (2 * len(parts) + 1))
+    return Real(np.where(unsafe, np.nan, total.hi), total.lo), error
+
+
+def _nearest(value: int) -> float:
+    try:
+        return float(value)
+    except OverflowError:
+        return float("inf")
+
+
+# Interior -------------------------------------------------------------------------------------------------------------
+
+
+def _interior(problem: NormalModeProblem, swept: str, parameter: Real) -> Intervals | None:
+    """The Cauchy-stable lam of all fields; None where one depends on the parameter in more than its speed."""
+    result = everything(len(parameter.hi))
+    seen: set[str] = set()
+    for block in problem.blocks:
+        symbol = field_symbol(block.field, problem.coefficients)
+        if str(symbol) in seen:
+            continue
+        seen.add(str(symbol))
+        if not degree_in(symbol, swept):
+            one = np.ones_like(parameter.hi)
+            result = intersect(result, _scaled(_cauchy(problem, symbol), Real(one, 0 * one)))
+            continue
+        unit = _unit_symbol(problem, block.field)
+        if unit is None or block.field.speed is None:
+            return None
+        top, top_error = _at(block.field.speed.num, swept, parameter)
+        bottom, bottom_error = _at(block.field.speed.den, swept, parameter)
+        speed = Real(np.abs(top.hi / bottom.hi), np.zeros_like(top.hi))
+        good = top_error + np.abs(top.hi) * UNIT <= 4 * UNIT * np.abs(top.hi)
+        good &= bottom_error <= UNIT * np.abs(bottom.hi)
+        mine = _scaled(_cauchy(problem, unit), speed)
+        mine.resolved[:] &= good
+        result = intersect(result, mine)
+    return result
+
+
+def _cauchy(problem: NormalModeProblem, symbol: fmpz_mpoly) -> CauchySet:
+    polynomial = amplification(symbol, problem.coefficients, problem.resolvent)
+    return cauchy_set(polynomial, kappa="x", lam=problem.coefficients.variable(problem.resolvent.cfl))
+
+
+def _unit_symbol(problem: NormalModeProblem, field: Field) -> fmpz_mpoly | None:
+    """The symbol of a named operator at speed 1 or -1: lam enters only as lam times the speed."""
+    half_line = problem.scheme.half_line(field.domain)
+    if not isinstance(half_line.interior, NamedLines) or field.speed is None:
+        return None
+    sign = problem.coefficients.sign(field.speed)
+    unit = unit_lines(half_line, problem.coefficients, sign, problem.resolvent)
+    return field_symbol(unit, problem.coefficients)
+
+
+def _scaled(limits: CauchySet, speed: Real) -> Intervals:
+    """The set in lam = nu / speed. Ends carry the rounding of the end itself, of the speed and of the quotient."""
+    points = len(speed.hi)
+    width = max(len(limits.intervals), 1)
+    shape = (points, width)
+    result = Intervals(
+        np.full(shape, np.nan), np.full(shape, np.nan), np.zeros(shape), np.zeros(shape),
+        np.full(points, len(limits.intervals), np.int64), np.ones(points, bool),
+    )  # fmt: skip
+    for k, interval in enumerate(limits.intervals):
+        for ends, errors, end in (
+            (result.lo, result.lo_error, interval.low),
+            (result.hi, result.hi_error, interval.high),
+        ):
+            value = _double(end)
+            exact = value in (0.0, float("inf")) or (end is not None and end.rational == Fraction(value) and _is_one(speed))
+            ends[:, k] = value / speed.hi
+            errors[:, k] = 0.0 if exact else 8 * UNIT
+    return result
+
+
+def _is_one(speed: Real) -> bool:
+    return bool(np.all(speed.hi == 1.0))
+
+
+def _double(end: Root | None) -> float:
+    if end is None:
+        return float("inf")
+    return 0.0 if end.is_zero else float(sum(rational_ends(end.ball().real)) / 2)
+
+
+def _same_signs(problem: NormalModeProblem, swept: str, parameter: Real) -> Array:
+    """Where every speed has the sign it has at the sample: elsewhere the upwinding is another one."""
+    good = np.ones(len(parameter.hi), bool)
+    coefficients: Coefficients = problem.coefficients
+    for block in problem.blocks:
+        speed = block.field.speed
+        if speed is None or not (degree_in(speed.num, swept) or degree_in(speed.den, swept)):
+            continue
+        top, top_error = _at(speed.num, swept, parameter)
+        bottom, bottom_error = _at(speed.den, swept, parameter)
+        certain = (np.abs(top.hi) > 2 * top_error) & (np.abs(bottom.hi) > 2 * bottom_error)
+        good &= certain & (np.sign(top.hi) * np.sign(bottom.hi) == coefficients.sign(speed))
+    return good
