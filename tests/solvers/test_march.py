@@ -1,0 +1,226 @@
+"""Marches of whole schemes: against the finite matrix, against the normal modes, and in the traps."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import replace
+from fractions import Fraction
+from types import SimpleNamespace
+
+import gks.modes
+import numpy as np
+import pytest
+from gks.catalogue import find
+from gks.errors import NotAnalysable
+from gks.scheme.model import Scheme
+from gks.solvers.growth import Growth
+from gks.solvers.march import _agrees, forced_response, march, march_growth, mode_march
+from gks.solvers.problem import build
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from tests.oracle.finite_matrix import growing_modulus
+from tests.oracle.scheme_texts import BACKWARD_CENTRED, CRANK_NICOLSON, LEAPFROG, half_line, traditional, weighted
+
+WEIGHTS = st.tuples(*[st.integers(-20, 20).map(lambda k: Fraction(k, 10)) for _ in range(6)])
+WEIGHTED = {time: weighted(time) for time in ("forward-euler", "backward-euler", "rk4", "ab2")}
+
+
+def weighted_values(scheme: Scheme, weights: tuple[Fraction, ...], lam: str) -> dict[str, Fraction]:
+    return scheme.values(dict(zip("abcdef", weights, strict=True)) | {"lam": lam, "alpha": "2"})
+
+
+class TestAgainstTheFiniteMatrix:
+    """No normal mode analysis: growth of random data is the spectral radius of one step, where that exceeds 1."""
+
+    @pytest.mark.parametrize("time", WEIGHTED)
+    @given(weights=WEIGHTS)
+    @settings(max_examples=12)
+    def test_random_interface_weights(self, time: str, weights: tuple[Fraction, ...]) -> None:
+        scheme = WEIGHTED[time]
+        values = weighted_values(scheme, weights, "0.6")
+        modulus = growing_modulus(scheme, values)
+        assume(modulus is not None and modulus > 1.05)
+        assert modulus is not None
+        found = march_growth(scheme, values, steps=256).growth
+        assert abs(found.rate - modulus) <= max(found.uncertainty, 1e-3 * modulus)
+        assert found.exceeds(1.0)
+
+    def test_modes_found_from_their_z_march_with_it(self) -> None:
+        scheme = traditional()
+        values = scheme.values({"alpha": 5})
+        # 4 r**2 - 4 r + alpha + 1 = 0, z = 1 + lam (r - 1): Theorem 3.1, derived by hand.
+        z = 1 + 0.9 * (complex(1, math.sqrt(5)) / 2 - 1)
+        found = mode_march(build(scheme, values), z)
+        assert found is not None
+        start, seen, growth, _ = found
+        assert seen == pytest.approx(z, rel=1e-9)
+        assert growth.rate == pytest.approx(abs(z), rel=1e-9)
+        assert start.outside < 1e-6
+
+    def test_a_wrong_z_is_not_marched_as_if_it_were_right(self) -> None:
+        """Off by 5 %: inverse iteration converges to what is there, or to nothing near the boundary."""
+        scheme = traditional()
+        problem = build(scheme, scheme.values({"alpha": 5}))
+        wrong = 1.05 * (1 + 0.9 * (complex(1, math.sqrt(5)) / 2 - 1))
+        found = mode_march(problem, wrong)
+        assert found is None or abs(found[2].rate - abs(wrong)) > 1e-2
+
+
+class TestAgainstTheNormalModes:
+    """Predicted beside observed."""
+
+    @pytest.mark.parametrize("alpha", ["3.2", "3.41", "31/9", "3.5", "5", "1e10"])
+    def test_traditional_coupling_around_its_neutral_ratio(self, alpha: str) -> None:
+        scheme = find("traditional-1")
+        values = scheme.values({"lam": "0.9", "alpha": alpha})
+        found = march(scheme, values)
+        r = complex(1, math.sqrt(float(values["alpha"]))) / 2
+        assert found.predicted == pytest.approx(abs(1 + 0.9 * (r - 1)), rel=1e-12)
+        assert found.agrees and found.relative_difference is not None and found.relative_difference < 1e-9
+
+    @pytest.mark.parametrize("alpha", ["1", "1e-10"])
+    def test_nothing_is_claimed_where_no_mode_is_admissible(self, alpha: str) -> None:
+        scheme = find("traditional-1")
+        found = march(scheme, scheme.values({"alpha": alpha}))
+        assert found.predicted is None and found.relative_difference is None
+        assert found.agrees and found.observed < 1
+
+    @given(weights=WEIGHTS, implicit=st.booleans())
+    @settings(max_examples=10)
+    def test_random_interface_weights(self, weights: tuple[Fraction, ...], implicit: bool) -> None:
+        scheme = WEIGHTED["backward-euler" if implicit else "forward-euler"]
+        values = weighted_values(scheme, weights, "0.7")
+        try:
+            found = march(scheme, values, steps=256)
+        except NotAnalysable as refused:
+            assert "do not determine" in str(refused)
+            return
+        assert found.agrees, str(found)
+
+    def test_a_neutral_eigenvalue_is_not_told_from_one(self) -> None:
+        """Backward Euler, centred, lam = 3/2: z = -1 with abs(kappa) = 1/3."""
+        scheme = half_line(BACKWARD_CENTRED, '"u[0, n+1] = u[0] + lam*(u[1] - u[0])"', 1)
+        for lam, modulus in (("1.4", 0.8), ("1.5", 1.0), ("1.6", 1.2)):
+            found = march(scheme, scheme.values({"lam": lam}))
+            assert found.observed == pytest.approx(modulus, rel=1e-9)
+            assert found.agrees
+            assert ("cannot tell" in found.remark) == (lam == "1.5")
+
+
+class TestGeneralized:
+    """Leapfrog with space extrapolation: bounded under random data, linear growth when forced by (-1)**n."""
+
+    EXTRAPOLATED = half_line(LEAPFROG, '"u[0, n+1] = u[1, n+1]"', 1)
+    LAGGED = half_line(LEAPFROG, '"u[0, n+1] = u[1]"', 1)
+
+    def test_random_data_do_not_show_it(self) -> None:
+        found = march_growth(self.EXTRAPOLATED, self.EXTRAPOLATED.values({}))
+        assert found.growth.rate == pytest.approx(1.0, abs=1e-4)
+        assert np.exp(found.trace.log_sizes()).max() < 20
+
+    def test_forcing_at_its_z_does(self) -> None:
+        values = self.EXTRAPOLATED.values({})
+        assert forced_response(self.EXTRAPOLATED, values, -1).exponent == pytest.approx(1.0, abs=0.05)
+        assert forced_response(self.EXTRAPOLATED, values, 0.6 + 0.8j).exponent == pytest.approx(0.0, abs=0.05)
+
+    def test_the_closure_that_looks_alike_stays_bounded(self) -> None:
+        assert forced_response(self.LAGGED, self.LAGGED.values({}), -1).exponent == pytest.approx(0.0, abs=0.05)
+
+    def test_march_says_so(self) -> None:
+        found = march(self.EXTRAPOLATED, self.EXTRAPOLATED.values({}))
+        assert found.predicted == pytest.approx(1.0) and found.agrees
+        assert "forced at z" in found.remark
+
+    def test_crank_nicolson_does_not_grow_where_its_finite_matrix_does(self) -> None:
+        scheme = half_line(CRANK_NICOLSON, '"u[0, n+1] = u[1]"', 1)
+        found = march_growth(scheme, scheme.values({"lam": "2.1"})).growth
+        assert not found.exceeds(1.0 + 1e-5) and found.uncertainty < 1e-3
+
+
+class TestAgreement:
+    """`agrees` can say no, and says why."""
+
+    QUIET = Growth(0.9, 0.01, "random")
+
+    def test_a_difference_beyond_the_uncertainty(self) -> None:
+        assert _agrees(1.2, Growth(1.2005, 1e-6, ""), self.QUIET)[0]
+        agrees, why = _agrees(1.2, Growth(1.21, 1e-6, ""), self.QUIET)
+        assert not agrees and "differ by" in why
+        assert _agrees(1.2, Growth(1.21, 0.02, ""), self.QUIET)[0]
+
+    def test_different_sides_of_the_circle_never_agree(self) -> None:
+        agrees, why = _agrees(0.9998, Growth(1.0003, 1e-6, ""), self.QUIET)
+        assert not agrees and "different sides" in why
+
+    def test_random_data_must_not_outgrow_the_prediction(self) -> None:
+        agrees, why = _agrees(0.9, Growth(0.9, 1e-9, ""), Growth(1.1, 0.01, "random"))
+        assert not agrees and "faster than any mode" in why
+
+    @pytest.mark.parametrize(
+        ("modes", "agrees"),
+        [
+            ([], False),  # an analysis that overlooks the growing mode
+            ([(1.3, "growing")], False),  # one that misplaces it
+            ([(0.7, "decaying")], False),  # one that sees another instead
+            ([(1.1467344941179716, "growing"), (2.0, "inadmissible")], True),
+        ],
+    )
+    def test_a_wrong_analysis_is_caught(
+        self, monkeypatch: pytest.MonkeyPatch, modes: list[tuple[float, str]], agrees: bool
+    ) -> None:
+        z = (1 + 0.9 * (complex(1, math.sqrt(5)) / 2 - 1)) / 1.1467344941179716
+        listed = [SimpleNamespace(z_complex=m * z, modulus=m, kind=SimpleNamespace(value=k)) for m, k in modes]
+        monkeypatch.setattr(gks.modes, "analyse", lambda scheme, values: SimpleNamespace(modes=listed, reason=None))
+        scheme = traditional()
+        found = march(scheme, scheme.values({"alpha": 5}), steps=256)
+        assert found.agrees is agrees
+        assert ("DISAGREES" in str(found)) is not agrees
+
+
+class TestSizes:
+    def test_the_march_is_cut_short_where_the_far_ends_would_be_felt(self) -> None:
+        scheme = traditional()
+        found = march_growth(scheme, scheme.values({"alpha": 5}), cells=100, steps=5000)
+        assert max(found.cells) == 100 and 100 < found.steps < 260
+
+    def test_too_few_cells_for_one_step(self) -> None:
+        scheme = half_line(CRANK_NICOLSON, '"u[0, n+1] = u[1]"', 1)
+        with pytest.raises(NotAnalysable, match="far ends are felt"):
+            march_growth(scheme, scheme.values({"lam": "1e6"}), cells=20)
+
+    @pytest.mark.parametrize("lam", ["1e-8", "1", "0.9"])
+    @pytest.mark.parametrize("alpha", ["1e-300", "1e-10", "1", "1e10", "1e140"])
+    def test_extreme_values_are_finite_or_refused(self, lam: str, alpha: str) -> None:
+        scheme = traditional()
+        found = march_growth(scheme, scheme.values({"lam": lam, "alpha": alpha}), steps=64).growth
+        assert math.isfinite(found.rate)
+        if alpha == "1e140":
+            # r = (1 + i sqrt(alpha))/2: abs(z) = lam sqrt(alpha)/2 to rounding.
+            assert found.rate == pytest.approx(float(Fraction(lam)) * 0.5e70, rel=1e-6)
+
+    def test_growth_beyond_doubles_in_one_step_is_refused(self) -> None:
+        scheme = half_line("u[i, n+1] = 10**308*u[i] + 10**308*u[i-1]", '"u[-1] = 2*u[0]"')
+        with pytest.raises(NotAnalysable, match="passes the largest double"):
+            march_growth(scheme, scheme.values({}), steps=10)
+
+
+class TestOutput:
+    def test_json_has_the_keys_of_the_contract_and_no_nan(self) -> None:
+        scheme = traditional()
+        found = march(scheme, scheme.values({"alpha": 5}), steps=64)
+        text = json.dumps(found.to_json(), allow_nan=False)
+        assert list(json.loads(text)) == [
+            "schema", "predicted", "observed", "uncertainty", "relative_difference", "agrees", "time_s",
+        ]  # fmt: skip
+        assert json.loads(text)["schema"] == "gks.march/1"
+        unbounded = replace(found, uncertainty=math.inf)
+        assert unbounded.to_json()["uncertainty"] == "oo"
+
+    def test_same_seed_same_march(self) -> None:
+        scheme = traditional()
+        values = scheme.values({"alpha": 5})
+        first, second = march_growth(scheme, values, steps=64), march_growth(scheme, values, steps=64)
+        assert first.growth == second.growth
+        assert march_growth(scheme, values, steps=64, seed=1).trace.values[0] != pytest.approx(first.trace.values[0])
