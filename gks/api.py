@@ -1,0 +1,138 @@
+"""The library as a notebook uses it: load a scheme, ask for its modes, its curve, its characteristic polynomial.
+
+Results are the analyses' own objects: they print as the command prints them, and `to_json()` gives its JSON object.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from decimal import Decimal
+from fractions import Fraction
+from numbers import Real
+from typing import TYPE_CHECKING, TypeVar, cast
+
+from gks.errors import ParameterError, TooLarge
+
+if TYPE_CHECKING:
+    from gks.bounds.curve import Curve
+    from gks.bounds.sweep import Sweep
+    from gks.modes import ModesResult
+    from gks.modes.derive import Derivation
+    from gks.scheme.model import Scheme
+    from gks.solvers.march import MarchResult
+
+Value = Fraction | int | str | float | Decimal
+"""A parameter's value, exact: a fraction, an integer, text ("9/10", "1e-10"), or a float, the decimal it prints."""
+
+Sweepable = Value | Iterable[Value]
+"""A value, or the values a parameter runs through: an array or a list, or text as in --sweep ("1e-4:1e4:401:log")."""
+
+V = TypeVar("V")
+
+
+def load(name_or_path: str | os.PathLike[str]) -> LoadedScheme:
+    """The shipped scheme of that name, or the one in that file; InputError if it is neither or the file is at fault."""
+    from gks.catalogue import find
+
+    return LoadedScheme(find(name_or_path))
+
+
+@dataclass(frozen=True, slots=True)
+class LoadedScheme:
+    """A scheme with its analyses as methods.
+
+    Each takes parameter values by name, `modes(lam="9/10", alpha=5)`, or as a mapping, which also reaches parameters
+    whose names Python keeps for itself, `modes({"lambda": "9/10"})`. Parameters not given take the file's defaults.
+    ParameterError for a value or a name that is not one; NotAnalysable where an analysis does not apply to the scheme.
+    """
+
+    scheme: Scheme
+
+    def modes(self, values: Mapping[str, Value] | None = None, /, **named: Value) -> ModesResult:
+        """The normal modes and the verdict at one set of parameter values."""
+        from gks.modes import analyse
+
+        return analyse(self.scheme, self.scheme.values(_merged(values, named)))
+
+    def derive(self, values: Mapping[str, Value] | None = None, /, **named: Value) -> Derivation:
+        """The characteristic polynomial, factored, and the map of its roots to z; parameters not given stay symbols."""
+        from gks.modes.derive import derive
+
+        given = _merged(values, named)
+        free = [p.name for p in self.scheme.parameters if p.name not in given]
+        return derive(self.scheme, self.scheme.values(given, free))
+
+    def curve(
+        self, values: Mapping[str, Sweepable] | None = None, /, *, sweep: str | None = None, **named: Sweepable
+    ) -> Curve:
+        """The largest stable CFL number and all stable intervals: over one parameter, or at the one point given.
+
+        The parameter that runs is the one given as an array, as text with colons, or by `sweep` as on the command line.
+        """
+        from gks.bounds.curve import curve
+        from gks.bounds.sweep import parse_sweep
+
+        fixed, sweeps = _split(_merged(values, named))
+        if sweep is not None:
+            sweeps.append(parse_sweep(sweep))
+        if len(sweeps) > 1:
+            raise ParameterError(f"{len(sweeps)} parameters run", expected="one at most", mend="set the others")
+        return curve(self.scheme, self.scheme.values(fixed), sweeps[0] if sweeps else None)
+
+    def march(
+        self,
+        values: Mapping[str, Value] | None = None,
+        /,
+        *,
+        cells: int | None = None,
+        steps: int | None = None,
+        **named: Value,
+    ) -> MarchResult:
+        """Predicted against observed growth per step; cells a side and steps are chosen where they aren't given."""
+        from gks.solvers.march import march
+
+        return march(self.scheme, self.scheme.values(_merged(values, named)), cells, steps)
+
+    def __str__(self) -> str:
+        scheme = self.scheme
+        lines = [scheme.title, scheme.source]
+        for parameter in scheme.parameters:
+            default = "no default" if parameter.default is None else parameter.default
+            lines.append(f"  {parameter.name} = {default}" + (f"  ({parameter.doc})" if parameter.doc else ""))
+        return "\n".join(line for line in lines if line)
+
+
+def _merged(values: Mapping[str, V] | None, named: Mapping[str, V]) -> dict[str, V]:
+    return {**(values or {}), **named}
+
+
+def _split(values: Mapping[str, Sweepable]) -> tuple[dict[str, Value], list[Sweep]]:
+    """The values that stand and the sweeps, told apart by their type (and text by its colons)."""
+    from gks.bounds.sweep import parse_sweep
+
+    fixed: dict[str, Value] = {}
+    sweeps: list[Sweep] = []
+    for name, value in values.items():
+        if isinstance(value, str) and ":" in value:
+            sweeps.append(parse_sweep(f"{name}={value}"))
+        elif isinstance(value, str | Decimal | Real):  # Real: numpy's scalars too
+            fixed[name] = cast(Value, value)
+        else:
+            sweeps.append(_array(name, cast(Iterable[Value], value)))
+    return fixed, sweeps
+
+
+def _array(name: str, values: Iterable[Value]) -> Sweep:
+    """The sweep over an array's values, each exact as a single value is; ParameterError for one that isn't a number."""
+    from gks.bounds.sweep import of_values
+    from gks.scheme.numbers import rational
+
+    try:
+        exact = [value if isinstance(value, Fraction) else rational(str(value)) for value in values]
+    except (ValueError, TooLarge) as error:
+        raise ParameterError(str(error), path=name, expected="an array of finite numbers") from None
+    if not exact:
+        raise ParameterError("the array is empty", path=name, expected="at least one value")
+    return of_values(name, exact)

@@ -1,0 +1,160 @@
+"""The ``gks`` command: parse the arguments, call the library, print what it gives.
+
+Exit status: 0 it worked, whatever the verdict; 2 the input is at fault (one message on standard error, nothing on
+standard output); 1 anything else; 130 interrupted. Only the argument parser is imported before a command is known.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+
+import gks
+
+TYPE_CHECKING = False  # as in gks/__init__.py
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from types import TracebackType
+    from typing import NoReturn
+
+REPORT_AT = "the project's issue tracker, with the scheme file and the command"
+
+
+class _Parser(argparse.ArgumentParser):
+    """An argument parser whose complaint is one line."""
+
+    def error(self, message: str) -> NoReturn:
+        self.exit(2, f"{self.prog}: {message}; see `{self.prog} --help`\n")
+
+
+def parser() -> argparse.ArgumentParser:
+    """The parser of the whole command line; `command` names the function of `gks.commands` that carries it out."""
+    top = _Parser(
+        prog="gks",
+        description="Stability of boundary and interface closures of difference schemes, by normal modes.",
+        epilog="FILE is a scheme file, or the name of a shipped scheme (see `gks list`).",
+        allow_abbrev=False,
+    )
+    top.add_argument("--version", action="version", version=f"gks {gks.__version__}")
+    commands = top.add_subparsers(title="commands", metavar="COMMAND", required=True)
+
+    def command(name: str, purpose: str, *, file: bool = True, json: bool = True) -> argparse.ArgumentParser:
+        sentence = purpose[0].upper() + purpose[1:] + "."
+        sub = commands.add_parser(name, help=purpose, description=sentence, allow_abbrev=False)
+        sub.set_defaults(command=name)
+        if file:
+            sub.add_argument("file", metavar="FILE", help="a scheme file, or the name of a shipped scheme")
+        if json:
+            sub.add_argument("--json", action="store_true", help="print one JSON object and nothing else")
+        return sub
+
+    def parametrised(name: str, purpose: str) -> argparse.ArgumentParser:
+        sub = command(name, purpose)
+        sub.add_argument(
+            "-p",
+            action="append",
+            default=[],
+            metavar="NAME=VALUE",
+            dest="settings",
+            help="set a parameter, exactly: 9/10, 0.9, 1e-10 (may be repeated)",
+        )
+        return sub
+
+    command("list", "the shipped schemes", file=False)
+    new = command("new", "write a commented scheme file to start from", file=False, json=False)
+    new.add_argument("name", metavar="NAME", help="the file to write, .toml added if missing; never overwrites")
+    parametrised("derive", "the characteristic polynomial and how its roots map to z")
+    parametrised("modes", "the normal modes and the verdict at one set of parameter values")
+    curve = parametrised("curve", "the largest stable CFL number and all stable intervals, over a parameter")
+    curve.add_argument(
+        "--sweep",
+        metavar="NAME=LO:HI:COUNT[:log]",
+        help="the parameter that runs, e.g. alpha=1e-4:1e4:401:log",
+    )
+    curve.add_argument(
+        "-o",
+        action="append",
+        default=[],
+        metavar="OUT",
+        dest="outputs",
+        help="write to OUT instead; its ending says what: .csv .json .png .svg .pdf (may be repeated)",
+    )
+    march = parametrised("march", "growth per step observed in a march, beside what the modes predict")
+    march.add_argument("--cells", type=_count, metavar="N", help="cells a side (default: as many as the modes need)")
+    march.add_argument("--steps", type=_count, metavar="N", help="steps (default: as many as the growth needs)")
+    return top
+
+
+def _count(text: str) -> int:
+    """A positive whole number; argparse turns the error into its message."""
+    if not (text.isascii() and text.isdigit() and len(text) < 10 and int(text) > 0):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from 1 to 999999999")
+    return int(text)
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Carry out one command line (default: the process's own) and return its exit status."""
+    arguments = parser().parse_args(argv)
+    from gks.commands import carry_out  # only now: --version and --help end in the line above
+    from gks.errors import GksError, InputError
+
+    try:
+        _print(carry_out(arguments))
+    except InputError as error:
+        return _complain(str(error), 2) if error.where else _complain(f"gks: {error}", 2)
+    except GksError as error:
+        return _complain(f"gks: {error}", 1)
+    except BrokenPipeError:
+        _let_go_of_stdout()  # the reader has what it wanted and left
+        return 1
+    except OSError as error:
+        _let_go_of_stdout()
+        return _complain(f"gks: {error.filename or 'standard output'}: {error.strerror or error}", 1)
+    except KeyboardInterrupt:
+        return _complain("gks: interrupted", 130)
+    return 0
+
+
+def entry() -> NoReturn:
+    """The installed command: as `main`, with one line instead of a traceback where the program itself is at fault."""
+    sys.excepthook = _report_own_fault
+    # Small matrices in large batches: BLAS threads cost several times what they give (a user's own setting stands).
+    for variable in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
+        os.environ.setdefault(variable, "1")
+    sys.exit(main())
+
+
+def _print(text: str) -> None:
+    """Print and flush, so that a full disk or a reader that left is met here and not at exit."""
+    reconfigure = getattr(sys.stdout, "reconfigure", None)
+    if reconfigure is not None:
+        reconfigure(errors="backslashreplace")  # a terminal without the letter ö still gets the answer
+    sys.stdout.write(text + "\n")
+    sys.stdout.flush()
+
+
+def _complain(message: str, status: int) -> int:
+    reconfigure = getattr(sys.stderr, "reconfigure", None)
+    if reconfigure is not None:
+        reconfigure(errors="backslashreplace")
+    print(message, file=sys.stderr)
+    return status
+
+
+def _let_go_of_stdout() -> None:
+    """Point standard output at nothing: what is still in its buffer would be written, and fail, once more at exit."""
+    try:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    except (OSError, ValueError):
+        return  # no descriptor behind it (a test's capture): nothing is left to write either
+
+
+def _report_own_fault(kind: type[BaseException], fault: BaseException, trace: TracebackType | None) -> None:
+    """`sys.excepthook` of the command: Python then exits with status 1."""
+    if os.environ.get("GKS_TRACEBACK") == "1":
+        sys.__excepthook__(kind, fault, trace)
+        return
+    detail = " ".join(str(fault).split())[:500]
+    what_to_do = f"GKS_TRACEBACK=1 shows the traceback; please report it to {REPORT_AT}"
+    print(f"gks: internal error: {kind.__name__}: {detail} ({what_to_do})", file=sys.stderr)

@@ -1,0 +1,147 @@
+"""What each command does, from parsed arguments to the text to print: nothing is printed before all is computed."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Protocol
+
+from gks.errors import InputError, quoted
+
+if TYPE_CHECKING:
+    from argparse import Namespace
+
+    from gks.bounds.curve import Curve
+
+
+class Result(Protocol):
+    """What every analysis gives: a text for people (`str`) and the contract's JSON object."""
+
+    def to_json(self) -> Mapping[str, object]: ...
+
+
+def carry_out(arguments: Namespace) -> str:
+    """The text that the command prints; InputError where the input is at fault."""
+    return _COMMANDS[arguments.command](arguments)
+
+
+def settings(texts: Sequence[str]) -> dict[str, str]:
+    """The -p options as a mapping from parameter to value, still text; InputError for one that is not NAME=VALUE."""
+    values: dict[str, str] = {}
+    for text in texts:
+        name, equals, value = (part.strip() for part in text.partition("="))
+        if not (name and equals and value):
+            raise InputError(f"-p {quoted(text)}", expected="expected NAME=VALUE", mend="for example -p alpha=9/10")
+        if name in values:
+            raise InputError(f"-p sets {quoted(name)} twice", mend="leave one of the two out")
+        values[name] = value
+    return values
+
+
+def json_text(result: Result) -> str:
+    """The one JSON object of a result; ValueError for a NaN or an infinity, which the contract spells as strings."""
+    import json
+
+    return json.dumps(result.to_json(), allow_nan=False)
+
+
+def _shown(result: Result, arguments: Namespace) -> str:
+    return json_text(result) if arguments.json else str(result)
+
+
+def _list(arguments: Namespace) -> str:
+    from gks.catalogue import Listing
+
+    return _shown(Listing(), arguments)
+
+
+def _new(arguments: Namespace) -> str:
+    from gks.files import write_new
+    from gks.starter import starter
+
+    path = arguments.name if arguments.name.endswith(".toml") else arguments.name + ".toml"
+    title = os.path.basename(path).removesuffix(".toml")
+    if not title or not title.isprintable():
+        raise InputError(f"{quoted(path)} can't name a scheme file", expected="a name in printable characters")
+    try:
+        write_new(path, starter(title))
+    except FileExistsError:
+        raise InputError(f"{quoted(path)} exists and is left as it is", mend="choose another name") from None
+    except FileNotFoundError:
+        raise InputError(f"no folder {quoted(os.path.dirname(path))}", mend="make it first") from None
+    return path
+
+
+def _derive(arguments: Namespace) -> str:
+    from gks.api import load
+
+    return _shown(load(arguments.file).derive(settings(arguments.settings)), arguments)
+
+
+def _modes(arguments: Namespace) -> str:
+    from gks.api import load
+
+    return _shown(load(arguments.file).modes(settings(arguments.settings)), arguments)
+
+
+def _curve(arguments: Namespace) -> str:
+    from gks.api import load
+
+    writers = {path: _writer(path) for path in arguments.outputs}  # refused, if at all, before the work is done
+    result = load(arguments.file).curve(settings(arguments.settings), sweep=arguments.sweep)
+    for path, write in writers.items():
+        write(result, path)
+    return "\n".join(writers) if writers and not arguments.json else _shown(result, arguments)
+
+
+def _march(arguments: Namespace) -> str:
+    from gks.api import load
+
+    scheme = load(arguments.file)
+    given = settings(arguments.settings)
+    return _shown(scheme.march(given, cells=arguments.cells, steps=arguments.steps), arguments)
+
+
+def _writer(path: str) -> Callable[[Curve, str], None]:
+    """What writes a curve to a file of that name, by its ending; InputError if nothing does or there is no folder."""
+    ending = os.path.splitext(path)[1].lower()
+    writers = {".csv": _write_csv, ".json": _write_json, ".png": _draw, ".svg": _draw, ".pdf": _draw}
+    if ending not in writers:
+        found = f"nothing is written as {quoted(ending)}" if ending else "its name has no ending"
+        raise InputError(f"-o {quoted(path)}: {found}", expected="expected .csv, .json, .png, .svg or .pdf")
+    folder = os.path.dirname(os.path.abspath(path))
+    if not os.path.isdir(folder):
+        raise InputError(f"-o {quoted(path)}: no folder {quoted(folder)}", mend="make it first")
+    if os.path.isdir(path):
+        raise InputError(f"-o {quoted(path)} is a folder", expected="expected the name of a file")
+    return writers[ending]
+
+
+def _write_csv(curve: Curve, path: str) -> None:
+    from gks.files import write_text
+
+    write_text(path, curve.to_csv())
+
+
+def _write_json(curve: Curve, path: str) -> None:
+    from gks.files import write_text
+
+    write_text(path, json_text(curve) + "\n")
+
+
+def _draw(curve: Curve, path: str) -> None:
+    from gks.files import whole_file
+    from gks.reports.figures import save_curve
+
+    with whole_file(path) as draft:
+        save_curve(curve, draft)
+
+
+_COMMANDS: dict[str, Callable[[Namespace], str]] = {
+    "list": _list,
+    "new": _new,
+    "derive": _derive,
+    "modes": _modes,
+    "curve": _curve,
+    "march": _march,
+}

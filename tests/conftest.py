@@ -1,0 +1,8 @@
+"""Settings of the whole suite."""
+
+from hypothesis import settings
+
+# No deadline: the machine's load is not a property of the code. `--hypothesis-profile=long` searches 20 times as far.
+settings.register_profile("house", deadline=None, print_blob=True)
+settings.register_profile("long", settings.get_profile("house"), max_examples=2000)
+settings.load_profile("house")
