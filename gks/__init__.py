@@ -32,17 +32,19 @@ _HOMES = {
 }
 
 
-def __getattr__(name: str) -> object:
-    """Fetch a public name from the module that defines it (PEP 562)."""
-    from importlib import import_module
+if not TYPE_CHECKING:  # or a type checker would take any misspelt name for one of these
 
-    if name == "catalogue":
-        return import_module("gks.catalogue")
-    if name not in _HOMES:
-        raise AttributeError(f"module 'gks' has no attribute {name!r}")
-    value: object = getattr(import_module(_HOMES[name]), name)
-    globals()[name] = value
-    return value
+    def __getattr__(name: str) -> object:
+        """Fetch a public name from the module that defines it (PEP 562)."""
+        from importlib import import_module
+
+        if name == "catalogue":
+            return import_module("gks.catalogue")
+        if name not in _HOMES:
+            raise AttributeError(f"module 'gks' has no attribute {name!r}")
+        value: object = getattr(import_module(_HOMES[name]), name)
+        globals()[name] = value
+        return value
 
 
 def __dir__() -> list[str]:

@@ -73,13 +73,14 @@ class LoadedScheme:
         """
         from gks.bounds.curve import curve
         from gks.bounds.sweep import parse_sweep
+        from gks.reports.notebook import pictured
 
         fixed, sweeps = _split(_merged(values, named))
         if sweep is not None:
             sweeps.append(parse_sweep(sweep))
         if len(sweeps) > 1:
             raise ParameterError(f"{len(sweeps)} parameters run", expected="one at most", mend="set the others")
-        return curve(self.scheme, self.scheme.values(fixed), sweeps[0] if sweeps else None)
+        return pictured(curve(self.scheme, self.scheme.values(fixed), sweeps[0] if sweeps else None))
 
     def march(
         self,

@@ -59,7 +59,7 @@ def _new(arguments: Namespace) -> str:
     from gks.files import write_new
     from gks.starter import starter
 
-    path = arguments.name if arguments.name.endswith(".toml") else arguments.name + ".toml"
+    path: str = arguments.name if arguments.name.endswith(".toml") else arguments.name + ".toml"
     title = os.path.basename(path).removesuffix(".toml")
     if not title or not title.isprintable():
         raise InputError(f"{quoted(path)} can't name a scheme file", expected="a name in printable characters")

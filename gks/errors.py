@@ -70,7 +70,7 @@ class IrrationalValue(GksError):
     """A square root that is not rational at the values given, where an exact rational was asked for."""
 
 
-class TooLarge(GksError):
+class TooLarge(InputError):
     """A formula or number beyond the fixed limits of gks.scheme.limits."""
 
 
@@ -85,6 +85,11 @@ def one_line(text: str) -> str:
     if text.isprintable():
         return text
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in text)
+
+
+def counted(number: int, noun: str) -> str:
+    """`1 row`, `3 rows`."""
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
 
 
 def quoted(text: str, most: int = 60) -> str:

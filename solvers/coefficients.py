@@ -32,7 +32,9 @@ class _DecimalAlgebra:
 
     def __init__(self, values: Mapping[str, Fraction]) -> None:
         self.values = values
-        self.context = Context(prec=DIGITS, Emax=10**9, Emin=-(10**9), traps=[DivisionByZero, InvalidOperation, Overflow])
+        self.context = Context(
+            prec=DIGITS, Emax=10**9, Emin=-(10**9), traps=[DivisionByZero, InvalidOperation, Overflow]
+        )
 
     def number(self, value: Fraction) -> Decimal:
         return self.context.divide(Decimal(value.numerator), Decimal(value.denominator))
@@ -146,7 +148,9 @@ def matrix_function(flux: Matrix, functions: Sequence[Callable[[float], float]])
 
 
 def space_blocks(name: str, flux: Matrix) -> tuple[dict[int, Matrix], dict[int, Matrix]]:
-    """A named space operator as sum_j mass[j] dt q[i+j] + sum_j rate[j] q[i+j] = 0, blocks by offset j (units of dx)."""
+    """A named space operator as sum_j mass[j] dt q[i+j] + sum_j rate[j] q[i+j] = 0, blocks by offset j (units of
+    dx).
+    """
     import numpy
 
     right, left = stencil(name, True), stencil(name, False)

@@ -51,7 +51,9 @@ def exponential(grid: Layout, relation: Relation) -> Callable[[Array], Array]:
 
 
 def propagator(grid: Layout) -> Array:
-    """exp(lam F), dense: scaling and squaring (Al-Mohy & Higham, SIAM J. Matrix Anal. Appl. 31 (2009) 970-989, as in scipy)."""
+    """exp(lam F), dense: scaling and squaring (Al-Mohy & Higham, SIAM J. Matrix Anal. Appl. 31 (2009) 970-989, as in
+    scipy).
+    """
     from scipy.linalg import expm, matrix_balance
 
     even, (scale, _) = matrix_balance(grid.problem.lam * generator(grid), permute=False, separate=True)

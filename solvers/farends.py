@@ -21,6 +21,7 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
+from gks.errors import NotAnalysable
 from gks.solvers.problem import Problem, Side
 
 if TYPE_CHECKING:
@@ -34,11 +35,8 @@ Profile = tuple[tuple[Any, Any], tuple[Any, Any]]
 SILENCE = 2.0**-53 * 1e-6
 """What may come back from a far end: a millionth of rounding."""
 
-RADII = 28
-ANGLES = 17
-FARTHEST = 400.0
-"""Circles R = exp(±t), t from 1e-4 to log FARTHEST, in geometric steps; ANGLES samples on each upper half
-(coefficients are real)."""
+RADII, ANGLES, FARTHEST = 28, 17, 400.0
+"""Circles R = exp(±t), t from 1e-4 to log FARTHEST in geometric steps; ANGLES samples on the upper half of each."""
 
 
 def interior_blocks(problem: Problem, side: Side, kappa: Array) -> list[Array]:
@@ -47,14 +45,21 @@ def interior_blocks(problem: Problem, side: Side, kappa: Array) -> list[Array]:
 
     size = len(side.unknowns)
     levels = [numpy.zeros((len(kappa), size, size), dtype=complex) for _ in range(problem.depth + 1)]
-    for equation, row in enumerate(side.rows):
-        for level, slot, value in row.terms:
-            levels[level][:, equation, slot.unknown] += value * kappa**slot.place
+    with numpy.errstate(over="ignore", invalid="ignore"):
+        for equation, row in enumerate(side.rows):
+            for level, slot, value in row.terms:
+                levels[level][:, equation, slot.unknown] += value * kappa**slot.place
+    if not all(numpy.isfinite(level).all() for level in levels):
+        raise NotAnalysable(
+            message=f"the interior coefficients of {side.name} add up to more than the largest double",
+            expected="a march computes in doubles",
+            mend="march at milder values",
+        )
     return levels
 
 
 def growth_factors(problem: Problem, side: Side, kappa: Array) -> Array:
-    """abs(z) of the interior's waves at each kappa, largest first kept: shape (len(kappa),); inf where z is infinite."""
+    """The largest abs(z) of the interior's waves at each kappa: shape (len(kappa),); inf where z is infinite."""
     import numpy
 
     levels = interior_blocks(problem, side, kappa)
@@ -66,12 +71,14 @@ def growth_factors(problem: Problem, side: Side, kappa: Array) -> Array:
     safe = numpy.where(regular[:, None, None], top, numpy.eye(size))
     for level, block in enumerate(levels[:-1]):
         companion[:, -size:, level * size : (level + 1) * size] = numpy.linalg.solve(safe, -block)
-    z = numpy.linalg.eigvals(companion)
+    z: Array = numpy.linalg.eigvals(companion)
     stages = problem.stages
     if stages is not None:
-        mu = problem.lam * z
         with numpy.errstate(over="ignore"):
-            z = numpy.exp(mu) if stages.kind == "exact" else numpy.polyval([float(c) for c in stages.stability[::-1]], mu)
+            if stages.kind == "exact":
+                z = numpy.exp(problem.lam * z)
+            else:
+                z = numpy.polyval([float(c) for c in stages.stability[::-1]], problem.lam * z)
     return numpy.where(regular, numpy.abs(z).max(axis=1), numpy.inf)
 
 
@@ -84,6 +91,7 @@ def _poles(problem: Problem, side: Side) -> list[float]:
     roots_of_unity = numpy.exp(2j * numpy.pi * numpy.arange(count) / count)
     samples = numpy.linalg.det(interior_blocks(problem, side, roots_of_unity)[-1])
     laurent = numpy.real(numpy.fft.fftshift(numpy.fft.fft(samples))) / count  # from kappa**-reach to kappa**reach
+    # Below the rounding errors of the interpolation a coefficient is zero: it would make roots out of nothing.
     laurent[numpy.abs(laurent) < 64 * count * numpy.finfo(float).eps * numpy.abs(laurent).max()] = 0.0
     return [float(abs(root)) for root in numpy.roots(laurent[::-1]) if root != 0]
 

@@ -2,8 +2,8 @@
 
 Two estimators that fail in different ways, and the one with the smaller uncertainty is taken:
 
-- `envelope`: log size = c + n log(rate) + p log(n), least squares over blocks of steps. The term p log(n) takes up the
-  polynomial factor of a multiple root and the algebraic decay of waves that leave, so neither is mistaken for growth.
+- `envelope`: log size = c + n log(rate) + transient, least squares over blocks of steps. A transient p log(n) takes up
+  the polynomial factor of a multiple root and the algebraic decay of waves that leave, so neither passes for growth.
 - `pencil`: in each of several windows the values are a sum of c_j z_j**n, found by the matrix pencil method (Hua &
   Sarkar, IEEE Trans. ASSP 38 (1990) 814-824). A pair of complex modes, whose size oscillates, is two of these
   terms. The scatter and the drift between windows are its uncertainty.
@@ -14,7 +14,6 @@ Uncertainties are half-widths of two-sided 99 % intervals (`CONFIDENCE`), by Stu
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
@@ -26,7 +25,20 @@ if TYPE_CHECKING:
 
 CONFIDENCE = 0.99
 
-T_QUANTILE = {1: 63.657, 2: 9.925, 3: 5.841, 4: 4.604, 5: 4.032, 6: 3.707, 7: 3.499, 8: 3.355, 10: 3.169, 13: 3.012, 17: 2.898, 21: 2.831}
+T_QUANTILE = {
+    1: 63.657,
+    2: 9.925,
+    3: 5.841,
+    4: 4.604,
+    5: 4.032,
+    6: 3.707,
+    7: 3.499,
+    8: 3.355,
+    10: 3.169,
+    13: 3.012,
+    17: 2.898,
+    21: 2.831,
+}
 """Student's t at 99.5 % by degrees of freedom (two-sided 99 %)."""
 
 ROUNDING = 2.0**-46
@@ -67,8 +79,8 @@ class Growth:
     how: str
 
     def exceeds(self, bound: float) -> bool:
-        """Whether the whole interval lies above the bound."""
-        return self.rate - self.uncertainty > bound
+        """Whether the interval lies above the bound; its lower end is as many times below as the upper is above."""
+        return self.rate > 0 and self.rate / (1 + self.uncertainty / self.rate) > bound
 
     def below(self, bound: float) -> bool:
         """Whether the whole interval lies below the bound."""
@@ -76,17 +88,17 @@ class Growth:
 
 
 FLOOR = 2.0**-43
-"""A signal that has fallen by this factor (a thousand rounding errors of its start) may be rounding errors from there on."""
+"""A signal that has fallen by this factor, to a thousand rounding errors, may be rounding errors from there on."""
 
 RISEN = 1e3
 """A signal that rises again by this factor from the floor is a mode that rounding errors have excited, and is real."""
 
 
 def observe(trace: Trace) -> Growth:
-    """The growth per step of the recorded values, from all but the first quarter of what lies above the round-off floor.
+    """The growth per step, from all but the first quarter of what lies above the round-off floor.
 
-    Values that have become exactly zero have rate 0. With fewer than 16 steps the two halves are compared, and with fewer
-    than 4 nothing is known: uncertainty inf.
+    Values that have become exactly zero have rate 0. With fewer than 16 steps the two halves are compared, and with
+    fewer than 4 nothing is known: uncertainty inf.
     """
     import numpy
 
@@ -113,11 +125,13 @@ def observe(trace: Trace) -> Growth:
 def _better(found: Growth, other: Growth | None) -> Growth:
     """The estimate with the smaller uncertainty, if the two are compatible, else the envelope's.
 
-    A pencil that contradicts the envelope has picked one wave out of a continuum; its small scatter means nothing then.
+    A pencil that contradicts the envelope has picked one wave out of a continuum, and its small scatter means nothing
+    then; unless it explains its windows altogether, when a beat with its blocks has misled the envelope.
     """
     if other is None or other.uncertainty >= found.uncertainty:
         return found
-    return other if abs(other.rate - found.rate) <= 2 * (found.uncertainty + other.uncertainty) else found
+    compatible = abs(other.rate - found.rate) <= 2 * (found.uncertainty + other.uncertainty)
+    return other if compatible or other.how == COMPLETE else found
 
 
 def _halves(logs: Array) -> Growth:
@@ -137,33 +151,39 @@ def envelope(logs: Array, start: int) -> Growth:
     """The slope of log sizes (of steps start, start + 1, ...) once a transient is taken out.
 
     The form of the transient is not known: none, a power of n (multiple roots, waves that leave), b/n (a bounded signal
-    that settles) and both are fitted. The runner-up, and every form that explains the blocks about as well as the best one,
-    widen the uncertainty to their own slopes: what is left out of a form errs the same way in every block.
+    that settles) and both are fitted. The runner-up, and every form that explains the blocks about as well as the
+    best one, widen the uncertainty to their own slopes: what is left out of a form errs the same way in every block.
     """
     import numpy
 
+    # Blocks of one even length: two unknowns of different size that take turns leave no trace, nor does a pair of modes
+    # that beats within a block. The mean growth is divided out first, else the last step of a block would be all of it.
     count = min(24, len(logs) // 2)
-    edges = numpy.linspace(0, len(logs), count + 1).astype(int)
-    blocks = [logs[a:b] for a, b in pairwise(edges)]
-    steps = numpy.array([start + 0.5 * (a + b - 1) for a, b in pairwise(edges)])
-    # The logarithm of the mean square of a block: a pair of modes that beats within a block leaves no trace.
-    levels = numpy.array([block.max() + 0.5 * math.log(numpy.mean(numpy.exp(2 * (block - block.max())))) for block in blocks])
+    length = 2 * (len(logs) // (2 * count))
+    start += len(logs) - count * length
+    logs = logs[len(logs) - count * length :]
+    n = numpy.arange(len(logs))
+    mean = float(numpy.polyfit(n, logs, 1)[0])
+    blocks = (logs - mean * n).reshape(count, length)
+    tops = blocks.max(axis=1)
+    levels = tops + 0.5 * numpy.log(numpy.mean(numpy.exp(2 * (blocks - tops[:, None])), axis=1))
+    steps = start + length * numpy.arange(count) + 0.5 * (length - 1)
     power, settling = numpy.log(steps + 1.0), 1.0 / (steps + 1.0)
     forms = [[], [power], [settling], [power, settling]] if count >= 8 else [[]]
     best, *others = sorted((_slope(steps, levels, form) for form in forms), key=lambda fit: fit.variance)
     credible = [fit for rank, fit in enumerate(others) if rank == 0 or fit.variance <= CREDIBLE * best.variance]
     spread = max((abs(fit.slope - best.slope) for fit in credible), default=0.0)
-    rate = math.exp(min(best.slope, 709.0))
+    rate = math.exp(min(mean + best.slope, 709.0))
     return Growth(rate, rate * (quantile(best.freedom) * best.error + spread + ROUNDING), "envelope")
 
 
 CREDIBLE = 2.0
-"""The F quantile (about 90 %) at 20 and 20 degrees of freedom is 1.8: a form with twice the residual variance is out."""
+"""The 90 % quantile of F at 20 and 20 degrees of freedom is 1.8: a form with twice the residual variance is out."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Fit:
-    """A least-squares line through block levels: slope per step, its standard error, residual variance, degrees of freedom."""
+    """A line through block levels: slope per step, its standard error, residual variance, degrees of freedom."""
 
     slope: float
     error: float
@@ -200,9 +220,15 @@ def quantile(freedom: int) -> float:
     return T_QUANTILE[max(known for known in T_QUANTILE if known <= max(1, freedom))]
 
 
-WINDOWS = 4
-LONGEST = 120
-MOST_TERMS = 12
+COMPLETE = "pencil, nothing unexplained"
+
+WINDOWS, LONGEST, MOST_TERMS = 4, 120, 12
+"""Windows compared, their greatest length in steps, and the terms z**n sought in each."""
+
+NOISE, UNEXPLAINED, ALL = 1e-11, 1e-3, 1e-9
+"""Singular values below NOISE of the largest are rounding (times the closure's condition, up to 1e5). Where terms
+leave UNEXPLAINED of a window, the accuracy asked of a march, it is no sum of so few; below ALL it is one.
+"""
 
 
 def pencil(trace: Trace) -> Growth | None:
@@ -214,24 +240,20 @@ def pencil(trace: Trace) -> Growth | None:
     if length < 12:
         return None
     starts = numpy.linspace(len(trace) - half, len(trace) - length, WINDOWS).astype(int)
-    moduli = []
-    for start in starts:
-        found = dominant_term(trace.part(int(start), int(start) + length))
-        if found is None:
-            return None
-        moduli.append(found)
+    found = [dominant_term(trace.part(int(start), int(start) + length)) for start in starts]
+    if max(unexplained for _, unexplained in found) > UNEXPLAINED:
+        return None
+    how = COMPLETE if max(unexplained for _, unexplained in found) < ALL else "pencil"
+    moduli = [modulus for modulus, _ in found]
     rate = moduli[-1]
     scatter = float(numpy.std(moduli, ddof=1))
     # An error that falls as 1/n is, in the last window, as large as it has fallen since the first, half as far along.
     drift = 2 * abs(moduli[-1] - moduli[0])
-    return Growth(rate, quantile(WINDOWS - 1) * scatter / math.sqrt(WINDOWS) + drift + rate * ROUNDING, "pencil")
+    return Growth(rate, quantile(WINDOWS - 1) * scatter / math.sqrt(WINDOWS) + drift + rate * ROUNDING, how)
 
 
-def dominant_term(trace: Trace) -> float | None:
-    """abs(z) of the term that is largest at the end of the window, among the terms z**n that explain the window.
-
-    None where they leave more than 1e-3 of it unexplained: the values are then no short sum of modes.
-    """
+def dominant_term(trace: Trace) -> tuple[float, float]:
+    """(abs(z) of the fastest term z**n that still counts at the end of the window, the share left unexplained)."""
     import numpy
 
     logs = trace.log_sizes()
@@ -243,25 +265,23 @@ def dominant_term(trace: Trace) -> float | None:
     hankel = numpy.concatenate([even[i : len(trace) - rows + i].T for i in range(rows + 1)], axis=0)
     width = even.shape[1]
     left, singular, _ = numpy.linalg.svd(hankel, full_matrices=False)
-    rank = min(MOST_TERMS, int(numpy.sum(singular > singular[0] * 1e-11)))
+    rank = min(MOST_TERMS, int(numpy.sum(singular > singular[0] * NOISE)))
     basis = left[:, :rank]
     shift = numpy.linalg.lstsq(basis[:-width], basis[width:], rcond=None)[0]
     z = numpy.linalg.eigvals(shift)
     powers = z[None, :] ** (steps[:, None] - steps[-1] * (numpy.abs(z) > 1)[None, :])
     amplitudes = numpy.linalg.lstsq(powers, even.astype(complex), rcond=None)[0]
     unexplained = numpy.linalg.norm(even - powers @ amplitudes, axis=1).max() / numpy.linalg.norm(even, axis=1).max()
-    if not unexplained < 1e-3:
-        return None
     final = numpy.linalg.norm(amplitudes, axis=1) * numpy.abs(powers[-1])
     # The fastest of the terms that still carry a thousandth of the largest: it is what remains.
-    carried = numpy.abs(z)[final > 1e-3 * final.max()]
-    return float(carried.max()) * math.exp(mean)
+    carried = numpy.abs(z)[final > UNEXPLAINED * final.max()]
+    return float(carried.max()) * math.exp(mean), float(unexplained)
 
 
 def observe_mode(trace: Trace, blocks: int = 6) -> tuple[complex, Growth]:
-    """(z, growth) of a trace that is one mode from the start: z = <v_n, v_n+1>/<v_n, v_n> averaged, its modulus from the ends.
+    """(z, growth) of a trace that is one mode from the start: z from the first step, the modulus from both ends.
 
-    The uncertainty is the scatter of the modulus over blocks of steps.
+    The uncertainty is the scatter and the drift of the modulus over blocks of steps.
     """
     import numpy
 
@@ -278,22 +298,21 @@ def observe_mode(trace: Trace, blocks: int = 6) -> tuple[complex, Growth]:
     return z, Growth(rate, spread + drift + rate * ROUNDING, "mode")
 
 
-def exponent(sizes: Sequence[float] | Array) -> tuple[float, float]:
-    """(p, its 99 % half-width) of sizes ~ n**p, from the last three quarters of the steps 0, 1, ... by blocks.
+def exponent(logs: Array) -> tuple[float, float]:
+    """(p, its 99 % half-width) of sizes ~ n**p after 0, 1, ... steps, from their natural logarithms.
 
-    Sizes are compared as they are; the largest of each block counts, so that oscillations do not.
+    The first sixteenth is left out; the largest size of each block counts, so that oscillations do not.
     """
     import numpy
 
-    values = numpy.asarray(sizes, dtype=float)
-    edges = numpy.geomspace(max(2, len(values) // 16), len(values), 11).astype(int)
+    edges = numpy.geomspace(max(2, len(logs) // 16), len(logs), 11).astype(int)
     pairs = [(a, b) for a, b in pairwise(edges) if b > a]
-    tops = numpy.array([values[a:b].max() for a, b in pairs])
-    if not tops.all():
+    tops = numpy.array([logs[a:b].max() for a, b in pairs])
+    if not numpy.isfinite(tops).all():
         return 0.0, 0.0
-    x, y = numpy.log([math.sqrt(a * b) for a, b in pairs]), numpy.log(tops)
-    x = x - x.mean()
-    slope = float(x @ (y - y.mean()) / (x @ x))
-    residual = y - y.mean() - slope * x
+    x = numpy.log([math.sqrt(a * b) for a, b in pairs])
+    x, y = x - x.mean(), tops - tops.mean()
+    slope = float(x @ y / (x @ x))
+    residual = y - slope * x
     error = math.sqrt(float(residual @ residual) / max(1, len(x) - 2) / float(x @ x)) * _correlation_factor(residual)
     return slope, quantile(len(x) - 2) * error

@@ -1,8 +1,8 @@
 """The finite problem: the half-lines cut at given numbers of cells, as sparse level matrices.
 
-State vectors are flat; `Layout` says which entry is which grid value. Past its last cell a half-line is held at zero, an end
-that is right as long as nothing has reached it (see `farends`). Entries for grid values that no equation reads or gives
-are held at zero too, so every matrix is square.
+State vectors are flat; `Layout` says which entry is which grid value. Past its last cell a half-line is held at zero,
+an end that is right as long as nothing has reached it (see `farends`). Entries for grid values that no equation reads
+or gives are held at zero too, so every matrix is square.
 """
 
 from __future__ import annotations
@@ -189,4 +189,5 @@ def _one_step(grid: Layout, rate: Matrix) -> Matrix:
                 idle = place >= grid.cells[number] or (place < side.first and slot not in grid.problem.ghosts)
                 if idle:
                     allowed[:, grid.index(slot)] = 0.0
-    return step @ allowed
+    result: Matrix = step @ allowed
+    return result

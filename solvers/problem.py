@@ -5,12 +5,13 @@ newest level at k = depth, so that level n+depth follows from the `depth` levels
 reduce to this one form:
 
 - fully discrete equations as they are written, shifted as a whole;
-- method of lines under a linear multistep integrator: rho(E) on the dt(...) terms, lam sigma(E) on the others, E the shift by one level;
-- method of lines under Runge-Kutta stages, or `exact`: depth 1 with level 1 standing for the time derivative,
+- method of lines under a linear multistep integrator: rho(E) on the dt(...) terms, lam sigma(E) on the others, E the
+  shift by one level; - method of lines under Runge-Kutta stages, or `exact`: depth 1 with level 1 standing for the
+  time derivative,
   mass * w' + rate * w = 0. A closure equation without dt(...) holds at every stage, hence for w' too.
 
-Places count outward from the boundary: place = i on a right half-line and -i on a left one, so that both sides have cells
-place >= first and boundary points place < first.
+Places count outward from the boundary: place = i on a right half-line and -i on a left one, so that both sides have
+cells place >= first and boundary points place < first.
 """
 
 from __future__ import annotations
@@ -31,7 +32,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True, order=True)
 class Slot:
-    """One grid value: side (index of the half-line), unknown (its index there), place (outward; an offset in interior rows)."""
+    """One grid value: side (index of the half-line), unknown (its index there), place (outward; an offset in interior
+    rows).
+    """
 
     side: int
     unknown: int
@@ -42,7 +45,8 @@ class Slot:
 class Row:
     """sum of coefficient * value[slot, n+level] = 0.
 
-    constraint : method of lines under stages only: the row holds no dt(...), so it binds every state, not its derivative.
+    constraint : method of lines under stages only: the row holds no dt(...), so it binds every state, not its
+    derivative.
     """
 
     terms: tuple[tuple[int, Slot, float], ...]
@@ -72,7 +76,9 @@ class Side:
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """All rows at the values. stages : None where level n+depth follows directly, else the integrator that advances w'."""
+    """All rows at the values. stages : None where level n+depth follows directly, else the integrator that advances
+    w'.
+    """
 
     sides: tuple[Side, ...]
     closure: tuple[Row, ...]
@@ -119,9 +125,7 @@ def build(scheme: Scheme, values: Mapping[str, Fraction]) -> Problem:
         _placed(row, depth, constraint=stages is not None and not written.derivatives)
         for row, written in zip(bounds, closure, strict=True)
     )
-    ghosts = tuple(
-        _slot(scheme, index, value.domain, value.unknown, value.index) for value in scheme.boundary_unknowns
-    )
+    ghosts = tuple(_slot(scheme, index, value.domain, value.unknown, value.index) for value in scheme.boundary_unknowns)
     return Problem(tuple(sides), closed, ghosts, depth, stages, lam)
 
 
@@ -167,8 +171,7 @@ def _interior(half: HalfLine, side: int, values: Mapping[str, Fraction], lam: fl
         return [
             _Written(
                 {},
-                {(1, Slot(side, row, 0)): 1.0}
-                | {(0, slot): -c for slot, c in _block_row(blocks, row, side, outward)},
+                {(1, Slot(side, row, 0)): 1.0} | {(0, slot): -c for slot, c in _block_row(blocks, row, side, outward)},
                 None,
             )
             for row in range(len(half.unknowns))
@@ -178,7 +181,12 @@ def _interior(half: HalfLine, side: int, values: Mapping[str, Fraction], lam: fl
     return [
         _written(
             [
-                (grid.derivative, grid.level, Slot(side, slots[grid.unknown], outward * grid.index), evaluate(c, values))
+                (
+                    grid.derivative,
+                    grid.level,
+                    Slot(side, slots[grid.unknown], outward * grid.index),
+                    evaluate(c, values),
+                )
                 for grid, c in form.terms
             ],
             time,
@@ -251,29 +259,31 @@ def _stages(rows: list[_Written], times: list[Integrator | None]) -> Integrator 
 
 def _advance(row: _Written, stages: Integrator | None, lam: float) -> dict[tuple[int, Slot], float]:
     """The row over levels (see the module's three kinds)."""
-    result: dict[tuple[int, Slot], float] = {}
-
-    def add(level: int, slot: Slot, coefficient: float) -> None:
-        result[level, slot] = result.get((level, slot), 0.0) + coefficient
-
     if stages is not None:
-        for (_, slot), c in row.derivatives.items():
-            add(1, slot, c)
-        for (_, slot), c in row.values.items():
-            add(0 if row.derivatives else 1, slot, c)
-        return result
+        moved = [((1, slot), c) for (_, slot), c in row.derivatives.items()]
+        moved += [((0 if row.derivatives else 1, slot), c) for (_, slot), c in row.values.items()]
+        return _summed(moved)
     if not row.derivatives:
         return dict(row.values)
     if row.integrator is None:
         raise ValueError("dt(...) without an integrator")
-    for weights, part, unit in (
-        (row.integrator.rho, row.derivatives, 1.0),
-        (row.integrator.sigma, row.values, lam),
-    ):
-        for power, weight in enumerate(weights):
-            if weight:
-                for (level, slot), c in part.items():
-                    add(level + power, slot, unit * float(weight) * c)
+    rho, sigma = ([float(c) for c in part] for part in (row.integrator.rho, row.integrator.sigma))
+    return _summed([*_shifted(rho, row.derivatives), *_shifted([lam * c for c in sigma], row.values)])
+
+
+def _shifted(
+    polynomial: list[float], terms: Mapping[tuple[int, Slot], float]
+) -> Iterable[tuple[tuple[int, Slot], float]]:
+    """polynomial(E) applied to the terms, E the shift by one level."""
+    for power, weight in enumerate(polynomial):
+        if weight:
+            yield from (((level + power, slot), weight * c) for (level, slot), c in terms.items())
+
+
+def _summed(terms: Iterable[tuple[tuple[int, Slot], float]]) -> dict[tuple[int, Slot], float]:
+    result: dict[tuple[int, Slot], float] = {}
+    for key, coefficient in terms:
+        result[key] = result.get(key, 0.0) + coefficient
     return result
 
 

@@ -70,8 +70,9 @@ class Implicit:
             self.factors = splu(top.astype(dtype))
         except RuntimeError as cause:
             raise undetermined() from cause
-        # A matrix singular to rounding returns the vector of ones with errors of order one, a regular one within cond * eps.
-        ones = numpy.ones(grid.size, dtype=dtype)
+        # A matrix singular to rounding returns the vector of ones with errors of order one, a regular one within cond
+        # * eps.
+        ones: Array = numpy.ones(grid.size, dtype=dtype)
         if not numpy.abs(self.factors.solve(top @ ones) - ones).max() < 1e-3:
             raise undetermined()
 

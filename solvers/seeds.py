@@ -44,7 +44,7 @@ def random_levels(grid: Layout, seed: int, support: int = SUPPORT) -> list[Array
 
 @dataclass(frozen=True, slots=True)
 class Seed:
-    """Starting levels that should march as z**n; outside: the share of its norm in the outer halves of the half-lines."""
+    """Starting levels that should march as z**n; outside: the share of the norm in the outer halves of the cells."""
 
     grid: Layout
     levels: list[Array]
@@ -56,12 +56,13 @@ LOCALISED = 1e-3
 """A vector with a larger share in the outer halves is no mode of the boundary."""
 
 SHIFT = 1e-7
-"""Relative distance of the shift from the predicted z: off the eigenvalue, so that the matrix is regular, and much nearer than the next one."""
+"""Distance of the shift from the predicted z: off the eigenvalue by more than rounding, nearer than the next one."""
 
 ITERATIONS = 4
-
+"""Each multiplies the rest by SHIFT over the distance of the next eigenvalue: two would do where that is 0.01."""
 
 MOST_CELLS = 20_000
+"""Cells a side up to which a mode is set up: its slowest kappa is then within 2e-3 of the unit circle."""
 
 
 class OutOfReach(Exception):
@@ -81,9 +82,11 @@ def mode(problem: Problem, z: complex, seed: int = 0) -> Seed | None:
         if lengths[-1] > MOST_CELLS:
             continue
         grid = layout(problem, counts)
-        found = _inverse_iteration(grid, resolvent, z, seed)
-        if found is not None and (best is None or found.outside < best.outside):
-            best = found
+        for found in (_inverse_iteration(grid, resolvent, z, seed), _least_residual(problem, counts, resolvent, z)):
+            if found is not None and (best is None or found.outside < best.outside):
+                best = found
+            if best is not None and best.outside < LOCALISED:
+                break
     if best is None and (not lengths or max(lengths) > MOST_CELLS):
         raise OutOfReach
     return best
@@ -104,7 +107,7 @@ def _resolvents(problem: Problem, z: complex) -> list[complex]:
 
 
 def _logarithms(problem: Problem, z: complex) -> list[complex]:
-    """The s with exp(lam s) = z that the finite problem knows: there are infinitely many, and fast modes lie on far branches.
+    """The s with exp(lam s) = z that the finite problem knows, of infinitely many: fast modes lie on far branches.
 
     The principal one, and the branch nearest to each eigenvalue of a problem of few cells whose exponential is near z.
     """
@@ -120,16 +123,20 @@ def _logarithms(problem: Problem, z: complex) -> list[complex]:
 
 
 def _length(problem: Problem, side: int, resolvent: complex) -> int:
-    """Cells until the slowest decaying wave at this resolvent has fallen to rounding; MOST_CELLS + 1 if it takes more."""
-    slowest = max((abs(kappa) for kappa in _kappas(problem, side, resolvent) if abs(kappa) < 1 - 1e-9), default=0.0)
+    """Cells until the slowest decaying wave has fallen to rounding; MOST_CELLS + 1 if it takes more.
+
+    Waves nearer to the unit circle than their computed kappas are accurate (a double root: sqrt(eps)) do not decay.
+    """
+    moduli = [abs(kappa) for kappa in _kappas(problem, side, resolvent)]
+    slowest = max((modulus for modulus in moduli if modulus < 1 - 2.0**-26), default=0.0)
     needed = problem.near + 12
-    if slowest > 1e-3:
+    if slowest > 0:
         needed += math.ceil(math.log(2.0**-56) / math.log(slowest))
     return min(needed, MOST_CELLS + 1)
 
 
 def _kappas(problem: Problem, side: int, resolvent: complex) -> list[complex]:
-    """The kappas of the interior's waves at this resolvent: roots of det sum_j B_j kappa**j, by interpolation on a circle."""
+    """The kappas of the interior's waves at this resolvent: roots of a determinant, interpolated on the unit circle."""
     import numpy
 
     half = problem.sides[side]
@@ -148,8 +155,8 @@ def _inverse_iteration(grid: Layout, resolvent: complex, z: complex, seed: int) 
     from scipy.sparse.linalg import splu
 
     matrices = level_matrices(grid)
-    depth = grid.problem.depth
-    shift = resolvent + SHIFT * max(abs(resolvent), 1.0 if depth == 1 and grid.problem.stages else 0.0)
+    # Under stages the resolvent is s, in units of a cell's own rate, and may be 0; z is relative to itself.
+    shift = resolvent + SHIFT * (abs(resolvent) if grid.problem.stages is None else max(abs(resolvent), 1.0))
     pencil = sum(matrix * shift**power for power, matrix in enumerate(matrices))
     size = numpy.asarray(abs(pencil).max(axis=1).todense()).ravel()
     scale = numpy.exp2(-numpy.rint(numpy.log2(numpy.where(size > 0, size, 1.0))))
@@ -175,18 +182,54 @@ def _inverse_iteration(grid: Layout, resolvent: complex, z: complex, seed: int) 
     return Seed(grid, state, z, _outside(grid, state))
 
 
+LARGEST_DENSE = 600
+"""Grid values up to which the least residual is sought by a dense singular value decomposition."""
+
+
+def _least_residual(problem: Problem, counts: Sequence[int], resolvent: complex, z: complex) -> Seed | None:
+    """The vector that lives on `counts` cells and leaves the least residual of all equations, those beyond included.
+
+    Inside the curve that the interior's waves trace in the z plane every z is an eigenvalue of a truncated matrix but
+    for rounding, by waves that lean on the far end. Those are no candidates here; a mode of the boundary still is.
+    """
+    import numpy
+
+    grid = layout(problem, [2 * count for count in counts])
+    columns = numpy.concatenate(
+        [
+            (grid.base[side] + unknown * grid.width[side] + numpy.arange(counts[side] - grid.low[side]))
+            for side, half in enumerate(problem.sides)
+            for unknown in range(len(half.unknowns))
+        ]
+    )
+    if len(columns) > LARGEST_DENSE:
+        return None
+    pencil = sum(matrix * resolvent**power for power, matrix in enumerate(level_matrices(grid)))
+    block = pencil.tocsc()[:, columns].toarray()
+    scale = numpy.abs(block).max(axis=1)
+    _, _, right = numpy.linalg.svd(block[scale > 0] / scale[scale > 0, None], full_matrices=False)
+    newest = numpy.zeros(grid.size, dtype=complex)
+    newest[columns] = right[-1].conj()
+    state = [resolvent**power * newest for power in range(problem.depth)]
+    return Seed(grid, state, z, _outside(grid, state))
+
+
 def _outside(grid: Layout, levels: Sequence[Array]) -> float:
-    """The largest share, over the unknowns, of the norm in the outer half of the cells."""
+    """The largest share, over the unknowns, of the norm in the outer half of the cells.
+
+    Unknowns near rounding size against the whole are left out: what they hold far out is noise.
+    """
     import numpy
 
     worst = 0.0
     for level in levels:
+        largest = float(numpy.linalg.norm(level))
         for number, side in enumerate(grid.problem.sides):
             block = grid.block(level, number)
             middle = (side.first + grid.cells[number]) // 2 - grid.low[number]
             for unknown in range(len(side.unknowns)):
                 whole = float(numpy.linalg.norm(block[unknown]))
-                if whole > 0:
+                if whole > largest * 2.0**-40:
                     worst = max(worst, float(numpy.linalg.norm(block[unknown, middle:])) / whole)
     return worst
 

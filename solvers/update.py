@@ -23,8 +23,8 @@ __all__ = ["Marcher", "cost_per_value", "update_matrix"]
 class Marcher:
     """The state of the finite problem (levels oldest first) and its advance by one step.
 
-    The state is scaled down by a power of two whenever it passes 2**200, and `exponent` keeps account; entries below 2**-900
-    are zeroed now and then, since subnormal numbers cost a hundred times as much.
+    The state is scaled down by a power of two whenever it passes 2**200, and `exponent` keeps account; entries below
+    2**-900 are zeroed now and then, since subnormal numbers cost a hundred times as much.
     """
 
     CEILING, DUST, SWEEP_EVERY = 2.0**200, 2.0**-900, 16
@@ -50,7 +50,7 @@ class Marcher:
         return self.levels[-1]
 
     def step(self, source: Array | None = None) -> None:
-        """Advance by one step; `source` (unscaled) is added as `Relation.newest` says, under stages to the new state."""
+        """Advance by one step; `source` (unscaled) is added as `Relation.newest` says, under stages to the result."""
         stages = self.problem.stages
         scaled = None if source is None else source * 2.0**-self.exponent
         if stages is None:

@@ -4,8 +4,8 @@ Along the ray mu = lam s every root z of pi(z, mu) must satisfy abs(z) < 1. That
 intervals, not always one, and need not begin at 0 (RK4 along 0.02 + i: 1.279 < lam < 2.780). Its ends are positive
 roots of one real polynomial with exact coefficients in Re s and |s|**2 (`gks.bounds.raypolynomial`); forward Euler's is
 linear, lam = -2 Re(s) / |s|**2. They are found here for many modes at once, in double-double arithmetic, with bounds
-that carry the error of s into the ends. A point that this arithmetic does not decide is flagged; `gks.bounds.rayballs` has
-the same in ball arithmetic for a single point.
+that carry the error of s into the ends. A point that this arithmetic does not decide is flagged; `gks.bounds.rayballs`
+has the same in ball arithmetic for a single point.
 """
 
 from __future__ import annotations
@@ -196,12 +196,11 @@ def _along_rays(result: Intervals, method: Integrator, usable: Mask, s: Complex,
 
 def _in_lam(result: Intervals, exponent: NDArray[np.int64]) -> Intervals:
     """From t = lam 2**exponent to lam; where a finite end leaves the doubles, the point is unresolved."""
-    room = np.abs(exponent) <= 900
-    factor = np.ldexp(1.0, -np.clip(exponent, -900, 900))[:, None]
-    lo, hi = result.lo * factor, result.hi * factor
-    kept = [(lo > 2.0**-1000) | (result.lo == 0) | np.isnan(lo), (hi < 2.0**1000) | np.isinf(result.hi) | np.isnan(hi)]
+    lo, hi = np.ldexp(result.lo, -exponent[:, None]), np.ldexp(result.hi, -exponent[:, None])
+    normal = np.finfo(float).tiny  # below it a double has fewer digits
+    kept = ((lo >= normal) | (result.lo == 0)) & (hi >= normal) & (np.isfinite(hi) | np.isinf(result.hi))
     count = result.count
-    resolved = result.resolved & ((kept[0] & kept[1] & room[:, None]).all(axis=1) | (count == 0))
+    resolved = result.resolved & (kept | np.isnan(lo)).all(axis=1)
     width = max(int(count.max(initial=0)), 1)
     ends = [each[:, :width] for each in (lo, hi, result.lo_error, result.hi_error)]
     return Intervals(ends[0], ends[1], ends[2], ends[3], count, resolved)
@@ -248,8 +247,9 @@ def _from_table(
 
 
 def _from_polynomial(
-    result: Intervals, method: Integrator, polynomial: RayPolynomial, index: NDArray[np.intp], s: Complex, error: Array
-) -> None:
+    result: Intervals, method: Integrator, polynomial: RayPolynomial, index: NDArray[np.intp],
+    s: Complex, error: Array,
+) -> None:  # fmt: skip
     """Cut the ray at the positive roots and judge each piece."""
     value, blur = _coefficients(polynomial, s, error)
     cuts, radius, resolved = _positive_roots(value, blur)
@@ -259,7 +259,7 @@ def _from_polynomial(
         stable = (value[0].hi > 0)[:, None] ^ (pieces % 2 == 1)
         known = np.ones_like(stable)
     else:
-        stable, known = _judge(method, _samples(cuts), s, error)
+        stable, known = _judge(method, _samples(cuts), s)
     present = np.concatenate([np.ones((len(index), 1), bool), np.isfinite(cuts)], axis=1)
     stable &= present
     resolved &= (known | ~present).all(axis=1)
@@ -333,11 +333,12 @@ def _samples(cuts: Array) -> Array:
     return np.where(np.isinf(high), 2 * low + 1, (low + high) / 2) + np.where(np.isinf(low), np.nan, 0.0)
 
 
-def _judge(method: Integrator, samples: Array, s: Complex, error: Array) -> tuple[Mask, Mask]:
+def _judge(method: Integrator, samples: Array, s: Complex) -> tuple[Mask, Mask]:
     """(stable, known) at mu = sample * s by the Schur-Cohn recursion, with a running bound of the rounding error.
 
-    a_0 + … + a_k z**k has all roots inside the circle iff |a_0| < |a_k| and the same holds for (conj(a_k) p - a_0 p*) / z,
-    of one degree less.
+    a_0 + … + a_k z**k has all roots inside the circle iff |a_0| < |a_k| and the same holds for
+    (conj(a_k) p - a_0 p*) / z, of one degree less. Judging s itself serves every s within its error: the cuts are real,
+    simple and disjoint for all of them, so no z meets the circle inside a piece while s moves.
     """
     mu = s.hi[:, None] * samples
     p: list[ComplexArray] = [
@@ -345,8 +346,7 @@ def _judge(method: Integrator, samples: Array, s: Complex, error: Array) -> tupl
     ]
     rows = method.characteristic()
     size = sum((abs(float(c)) * np.abs(mu) ** k for row in rows for k, c in enumerate(row)), np.zeros(mu.shape))
-    # relative to `size`: mu, its powers up to the fourth and a sum of few terms; and the error of s, to the fourth power
-    rounding = 32 * UNIT + 4 * _SECOND_ORDER * error[:, None] + np.zeros(mu.shape)
+    rounding = np.full(mu.shape, 32 * UNIT)  # relative to `size`: mu rounded, its powers, a sum of few terms
     p = [c / size for c in p]
     stable, known = np.ones(mu.shape, bool), np.ones(mu.shape, bool)
     while len(p) > 1:

@@ -23,6 +23,7 @@ from flint import acb, ctx, fmpz_mpoly, fmpz_poly
 
 from gks.modes.algebraic import GUARD_BITS, START_BITS, Position, Root
 from gks.modes.amplification import under_multistep
+from gks.modes.factoring import irreducible_factors
 from gks.modes.fibre import (
     VanishesIdentically,
     coefficients,
@@ -61,9 +62,13 @@ class CauchyResult:
 
 @dataclass(frozen=True, slots=True)
 class Factors:
-    """F as a product of powers of polynomials irreducible over the rationals; ``point`` holds its other variables."""
+    """F as a product of powers of polynomials irreducible over the rationals; ``point`` holds its other variables.
+
+    ``idle`` are the factors without z and kappa, none of them zero at the point.
+    """
 
     powers: tuple[tuple[fmpz_mpoly, int], ...]
+    idle: tuple[fmpz_mpoly, ...]
     point: Mapping[str, Root]
     z: str
     kappa: str
@@ -159,20 +164,22 @@ def semi_discrete_stable(
 
 
 def factored(poly: fmpz_mpoly, point: Mapping[str, Root], *, z: str, kappa: str) -> Factors:
-    """``poly`` with rational coordinates put in, factored over the rationals; what holds no z and no kappa is left out.
+    """``poly`` with rational coordinates put in, factored over the rationals.
 
     Raises VanishesIdentically where ``poly`` is zero at the point for every z and kappa.
     """
     rational = {name: root.rational for name, root in point.items()}
     rest = specialise(poly, {name: exact for name, exact in rational.items() if exact is not None})
     algebraic = {name: root.minimal for name, root in point.items() if degree_in(rest, name)}
-    powers = []
-    for factor, power in rest.factor()[1] if rest else ((rest, 1),):
+    powers, idle = [], []
+    for factor, power in irreducible_factors(rest) if rest else ((rest, 1),):
         if degree_in(factor, z) or degree_in(factor, kappa):
             powers.append((factor, power))
-        elif is_zero(algebraic, factor):
+        elif vanishes(algebraic, factor):
             raise VanishesIdentically(f"{poly} vanishes for every {z} and {kappa} at {dict(point)}")
-    return Factors(tuple(powers), algebraic, z, kappa)
+        else:
+            idle.append(factor)
+    return Factors(tuple(powers), tuple(idle), algebraic, z, kappa)
 
 
 def cuts_of(factors: Factors) -> Iterator[fmpz_mpoly]:
@@ -292,7 +299,7 @@ def _reduced(factors: Factors, cut: fmpz_mpoly) -> fmpz_mpoly:
     """``cut`` without repeated factors: the norms to come are powers of its degree."""
     if not factors.point:
         return cut
-    return prod((factor for factor, _ in cut.factor()[1]), start=cut.context().constant(1))
+    return prod((factor for factor, _ in irreducible_factors(cut)), start=cut.context().constant(1))
 
 
 def _zeros_on_circle(poly: fmpz_mpoly, point: Mapping[str, Root], kappa: str) -> list[Root]:

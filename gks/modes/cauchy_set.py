@@ -20,7 +20,8 @@ from flint import ctx, fmpz_mpoly, fmpz_mpoly_ctx, fmpz_poly
 
 from gks.modes.algebraic import GUARD_BITS, START_BITS, Root, isolated_roots, primitive
 from gks.modes.cauchy import Factors, cauchy_stable, cuts_of, degree_in, factored, reciprocal_in, stable_as_limit
-from gks.modes.fibre import Point, coefficients, norm, specialise, univariate
+from gks.modes.factoring import irreducible_factors
+from gks.modes.fibre import Point, VanishesIdentically, coefficients, norm, specialise, univariate
 from gks.modes.unimodular import by_real_part, rational_ends, simplest_between
 
 
@@ -89,17 +90,18 @@ def _cauchy_set(poly: fmpz_mpoly, point: Point, z: str, kappa: str, lam: str) ->
         return cauchy_stable(poly, {**point, lam: at}, z=z, kappa=kappa).stable
 
     def keeps(end: Root) -> bool:
-        return stable_as_limit(poly, {**point, lam: end}, z=z, kappa=kappa).stable
+        try:
+            return stable_as_limit(poly, {**point, lam: end}, z=z, kappa=kappa).stable
+        except VanishesIdentically:
+            # Here the equation says nothing, so the new level is not determined.
+            return False
 
     critical = critical_values(factored(poly, point, z=z, kappa=kappa), lam)
     cells = [stable(Root.of(sample)) for sample in _between(critical)]
-    ends: list[Root | None] = [Root.of(0), *critical, None]
     intervals: list[CauchyInterval] = []
-    for k, is_stable in enumerate(cells):
-        if not is_stable:
+    for k, (low, high) in enumerate(zip([Root.of(0), *critical], [*critical, None], strict=True)):
+        if not cells[k]:
             continue
-        low, high = ends[k], ends[k + 1]
-        assert low is not None
         low_stable = k > 0 and (intervals[-1].high_stable if cells[k - 1] else keeps(low))
         high_stable = high is not None and keeps(high)
         if low_stable and cells[k - 1]:
@@ -121,6 +123,8 @@ def critical_values(factors: Factors, lam: str) -> list[Root]:
 
 def _critical_polynomials(factors: Factors, lam: str) -> Iterator[fmpz_poly]:
     kappa = factors.kappa
+    for factor in factors.idle:
+        yield univariate(norm(factors.point, factor), lam)
     crossing: list[fmpz_mpoly] = []
     for curve in _irreducible(norm(factors.point, cut) for cut in cuts_of(factors)):
         yield from _alone(curve, kappa, lam)
@@ -163,7 +167,7 @@ def _irreducible(polys: Iterable[fmpz_mpoly]) -> list[fmpz_mpoly]:
     """The distinct irreducible factors, up to sign and without constants."""
     distinct: dict[str, fmpz_mpoly] = {}
     for poly in polys:
-        for factor, _ in poly.factor()[1] if poly else ():
+        for factor, _ in irreducible_factors(poly) if poly else ():
             distinct.setdefault(str(factor), factor)
     return list(distinct.values())
 

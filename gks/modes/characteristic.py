@@ -20,6 +20,7 @@ from flint import fmpz_mpoly
 from gks.errors import NotAnalysable, ParameterError
 from gks.modes.algebraic import isolated_roots
 from gks.modes.coefficients import Coefficients, Ratio, common_denominator
+from gks.modes.factoring import irreducible_factors
 from gks.modes.fibre import coefficients as powers_of
 from gks.modes.fibre import univariate
 from gks.modes.linear import Matrix, characteristic_polynomial, identity, kernel, multiply, solve
@@ -272,9 +273,8 @@ def eigenvectors(matrix: Matrix, coefficients: Coefficients, what: str) -> list[
 
 def _eigenvalues(matrix: Matrix, coefficients: Coefficients, what: str) -> list[tuple[Ratio, int]]:
     polynomial = characteristic_polynomial(matrix, coefficients)
-    _, factors = polynomial.factor()
     values: list[tuple[Ratio, int]] = []
-    for factor, multiplicity in factors:
+    for factor, multiplicity in irreducible_factors(polynomial):
         powers = powers_of(factor, "x")
         if len(powers) == 1:
             continue

@@ -26,6 +26,9 @@ APART = 24.0
 #: Relative size of a coefficient that cannot move a double-precision root of size 1 (the square of the rounding unit).
 NEGLIGIBLE = 2.0**-106
 
+#: Attempts at a proof that may fail before the approximations are given up.
+DOUBTS = 2
+
 #: Newton steps: quadratic convergence from a few bits reaches any precision in use within these.
 STEPS = 24
 
@@ -39,13 +42,16 @@ def isolate(poly: fmpz_poly, bits: int) -> list[acb] | None:
     # A cluster of m roots at distance eps shows in coefficients of size eps**m, which the integers hold in full.
     highest = 4 * (bits + poly.height_bits() * max(1, poly.degree()))
     working = bits + poly.height_bits()
-    while working <= highest:
+    doubts = 0
+    while working <= highest and doubts < DOUBTS:
         with ctx.workprec(working):
             found = _near(acb_poly(poly), poly.degree(), centred=False)
             if found is not None:
                 balls = _proved(poly, found)
                 if balls is not None and all(ball.rel_accuracy_bits() >= bits for ball in balls):
                     return balls
+                # Complete but unproved: either a little more precision proves it or the approximations are wrong.
+                doubts += 1
         working *= 2
     return None
 
@@ -60,7 +66,8 @@ def _near(taylor: acb_poly, count: int, *, centred: bool) -> list[acb] | None:
     first = 0
     if logs[0] == -inf:
         found, first = [acb(0)], 1
-        if count > 1 and logs[1] == -inf:
+        # Of two distinct roots none is at their mean, so there the zero is rounding error.
+        if (count > 1 and logs[1] == -inf) or (centred and count == 2):
             return None
     for begin, end in _polygon(logs, first, count):
         exponent = round(_exponent(logs, begin, end))
@@ -94,8 +101,8 @@ def _resolved(taylor: acb_poly, start: acb, size: int) -> list[acb] | None:
             break
     if size == 1:
         return [center]
-    local = acb_poly([c.mid() for c in taylor(acb_poly([center, 1])).coeffs()])
-    around = _near(local, size, centred=True)
+    # The balls stay: a coefficient that is all rounding error holds 0 and tells that the precision gives out.
+    around = _near(taylor(acb_poly([center, 1])), size, centred=True)
     return None if around is None else [(center + each).mid() for each in around]
 
 
@@ -203,4 +210,4 @@ def _log2(number: acb) -> float:
     """log2 of the size of a ball, -inf where it may be zero."""
     if number.contains(0):
         return -inf
-    return float((abs(number).log() / arb(2).log()).mid())
+    return float(abs(number).mid().log() / arb(2).log())

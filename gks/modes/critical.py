@@ -24,6 +24,7 @@ from flint import fmpz_mpoly, fmpz_poly
 from gks.modes.algebraic import Root, isolated_roots, primitive
 from gks.modes.cauchy import degree_in, reciprocal_in
 from gks.modes.cauchy_set import in_cosine
+from gks.modes.factoring import irreducible_factors
 from gks.modes.fibre import coefficients as powers_of
 from gks.modes.fibre import specialise, univariate
 from gks.modes.kreiss import NormalModeProblem
@@ -36,11 +37,22 @@ def critical_polynomials(problem: NormalModeProblem) -> Iterator[fmpz_poly]:
     ``problem`` has lam as its one symbol. Raises what ``characteristic_factors`` raises.
     """
     lam = problem.coefficients.variable(problem.resolvent.cfl)
-    for factor in growth_factors(problem, characteristic_factors(problem).factors):
+    factors = growth_factors(problem, characteristic_factors(problem).factors)
+    for rest in boundary_polynomials(problem, factors):
+        if degree_in(rest, lam):
+            yield univariate(rest, lam)
+
+
+def boundary_polynomials(problem: NormalModeProblem, factors: Iterable[fmpz_mpoly]) -> Iterator[fmpz_mpoly]:
+    """Nonzero polynomials in the symbols of ``problem``; off their zeros no root of a growth factor meets the circle.
+
+    Constants among them say nothing.
+    """
+    for factor in factors:
         for polynomial in _critical(problem, factor):
             rest = problem.coefficients.norm(polynomial)
-            if not rest.is_zero() and degree_in(rest, lam):
-                yield univariate(rest, lam)
+            if not rest.is_zero():
+                yield rest
 
 
 def growth_factors(problem: NormalModeProblem, factors: Iterable[Factor]) -> list[fmpz_mpoly]:
@@ -49,7 +61,7 @@ def growth_factors(problem: NormalModeProblem, factors: Iterable[Factor]) -> lis
     for factor in factors:
         mapped = [factor.polynomial]
         if problem.time_map is not None:
-            mapped = [g for g, _ in factor.polynomial.resultant(problem.time_map, "s").factor()[1]]
+            mapped = [g for g, _ in irreducible_factors(factor.polynomial.resultant(problem.time_map, "s"))]
         for polynomial in mapped:
             if degree_in(polynomial, "z") or degree_in(polynomial, "s"):
                 found.setdefault(str(polynomial), polynomial)
@@ -103,7 +115,7 @@ def _on_circle(problem: NormalModeProblem, f: fmpz_mpoly) -> Iterator[fmpz_mpoly
             symbol = symbol.resultant(problem.time_map, "s")
         mirrored = reciprocal_in(symbol, ("z", "x"))
         for locus in (symbol.resultant(mirrored, "x"), symbol.discriminant("x")):
-            for curve, _ in locus.factor()[1] if not locus.is_zero() else ():
+            for curve, _ in irreducible_factors(locus) if not locus.is_zero() else ():
                 if degree_in(curve, "z") and curve != f:
                     yield f.resultant(curve, "z")
 

@@ -26,15 +26,15 @@ from gks.modes.doubledouble import UNIT, Array, Complex, ComplexArray
 Mask = NDArray[np.bool_]
 
 _POLISH_STEPS = 40
-"""A pair at relative distance 2**-45, started 2**-25 away, halves its error at each of some 20 steps before the convergence
+"""A pair at relative distance 2**-45, started 2**-25 away, halves its error at each of some 20 steps before convergence
 is cubic. (The limit costs time only: the disks decide.)"""
 
 _POLISH_DONE = 2.0**-88
-"""Relative radius at which polishing stops: 26 digits, well inside double-double accuracy for well-conditioned roots."""
+"""Relative radius at which polishing stops: 26 digits, within double-double accuracy for well-conditioned roots."""
 
 _HORNER_STEP = 32 * UNIT**2
-"""Error of one double-double Horner step b x + a relative to |b x| + |a|: 20 u**2 of the product and 4.3 u**2 of the sum,
-rounded up."""
+"""Error of one double-double Horner step b x + a relative to |b x| + |a|: 20 u**2 of the product, 4.3 u**2 of the
+sum, rounded up."""
 
 ROUNDED_UP = 1.0 + 2.0**-40
 """Covers the rounding of the double-precision bounds themselves: a few hundred operations, u each."""
@@ -190,7 +190,7 @@ def _residual(scaled: Scaled, x: Complex) -> tuple[ComplexArray, Array]:
 def _weierstrass(
     scaled: Scaled, pairs: _Pairs, leading: Leading, x: Complex
 ) -> tuple[ComplexArray, Array, Mask, Mask]:
-    """Börsch-Supan's corrections and relative radii (root, point); whether the disks are disjoint and small (point,)."""
+    """Börsch-Supan's corrections and relative radii (root, point); whether disks are disjoint, and small (point,)."""
     residual, error = _residual(scaled, x)
     difference = pairs.differences(x)
     product = pairs.products(difference)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from flint import fmpq, fmpq_poly, fmpz_mpoly, fmpz_poly
 
+from gks.modes.algebraic import Root
 from gks.modes.amplification import under_multistep, under_runge_kutta
 from gks.modes.cauchy import CauchyResult, Instability, cauchy_stable, semi_discrete_stable
-from gks.modes.algebraic import Root
 from gks.modes.cauchy_set import CauchyInterval, CauchySet, cauchy_set
 from gks.modes.characteristic import Field
 from gks.modes.coefficients import Coefficients, common_denominator

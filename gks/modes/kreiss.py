@@ -30,10 +30,11 @@ from gks.errors import SchemeError, Where
 from gks.modes.algebraic import Position, Root
 from gks.modes.characteristic import Field, fields_of, mirrored
 from gks.modes.coefficients import Coefficients, Ratio, common_denominator
-from gks.modes.fibre import coefficients as powers_of
+from gks.modes.factoring import irreducible_factors
 from gks.modes.fibre import at_balls, fibre, specialise
-from gks.modes.unimodular import rational_ends
+from gks.modes.fibre import coefficients as powers_of
 from gks.modes.resolvent import Resolvent, characteristic, resolvent_of
+from gks.modes.unimodular import rational_ends
 from gks.scheme.model import GridValue, HalfLine, Scheme
 
 
@@ -168,7 +169,7 @@ def _block(each: Field, ghosts: int, families: list[Family], coefficients: Coeff
 def _family(polynomial: fmpz_mpoly, coefficients: Coefficients, resolvent: Resolvent) -> Family:
     decaying = 0
     part = coefficients.context.constant(1)
-    for factor, multiplicity in polynomial.factor()[1]:
+    for factor, multiplicity in irreducible_factors(polynomial):
         mine = _decaying(factor, coefficients, resolvent)
         if mine:
             decaying += mine * multiplicity

@@ -19,6 +19,7 @@ from flint import fmpz_mpoly
 from gks.errors import NotAnalysable
 from gks.modes.coefficients import KAPPA_VARIABLES, Coefficients
 from gks.modes.determinant import determinant
+from gks.modes.factoring import irreducible_factors
 from gks.modes.fibre import coefficients as powers_of
 from gks.modes.kreiss import Family, NormalModeProblem, kreiss_matrix, longest, newton_columns
 
@@ -208,7 +209,7 @@ def _own_factors(
     sigma = problem.coefficients.context.names().index(problem.variable)
     foreign = [f for lead in leads if (f := problem.coefficients.norm(lead)).degrees()[sigma]]
     own = []
-    for polynomial, multiplicity in norm.factor()[1]:
+    for polynomial, multiplicity in irreducible_factors(norm):
         if not polynomial.degrees()[sigma] or any(divmod(f, polynomial)[1].is_zero() for f in foreign):
             continue
         own.append(Factor(polynomial, max(1, multiplicity // repeats)))

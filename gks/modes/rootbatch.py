@@ -42,7 +42,7 @@ _ABERTH_STEPS = 60
 polish does better. (The limit costs time only: the inclusion decides.)"""
 
 _ABERTH_DONE = 2.0**-20
-"""A relative correction below this leaves, as convergence is cubic, less than the rounding error of double arithmetic."""
+"""A relative correction below this leaves, as convergence is cubic, less than the rounding error of doubles."""
 
 _ZERO_LOG = -1e7
 """log2 of a vanishing coefficient: so low that it never touches the Newton polygon, finite so that slopes are."""
@@ -119,7 +119,7 @@ def _with_root_zero(
     result: Roots, index: NDArray[np.intp], hi: ComplexArray | Array, lo: ComplexArray | Array,
     power: NDArray[np.int64], error: Array,
 ) -> None:  # fmt: skip
-    """A constant term that is exactly zero is the root 0, simple where the next coefficient is not zero: divide by x."""
+    """A constant term of exactly zero is the root 0, simple where the next coefficient is not zero: divide by x."""
     result.hi[index, 0], result.radius[index, 0] = 0.0, 0.0
     linear = np.abs(hi[index, 1] + lo[index, 1]) > error[index, 1]
     if hi.shape[1] == 2:

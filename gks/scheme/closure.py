@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from gks.errors import InputError, SchemeError
+from gks.errors import InputError, SchemeError, counted
 from gks.scheme.boundary import boundary_unknowns, without_equation
 from gks.scheme.document import Node
 from gks.scheme.domains import one_level, read_equation
@@ -87,9 +87,8 @@ def _at_domain(error: InputError, tables: Mapping[str, Node]) -> SchemeError:
 def _miscounted(
     tables: Mapping[str, Node], unknowns: Sequence[GridValue], equations: Sequence[Equation], nodes: Sequence[Node]
 ) -> SchemeError:
-    values = "1 boundary value" if len(unknowns) == 1 else f"{len(unknowns)} boundary values"
-    given = "1 equation was" if len(equations) == 1 else f"{len(equations)} equations were"
-    found = f"the scheme reads {values} and {given} given"
+    given = f"{counted(len(equations), 'equation')} {'was' if len(equations) == 1 else 'were'} given"
+    found = f"the scheme reads {counted(len(unknowns), 'boundary value')} and {given}"
     if len(equations) > len(unknowns):
         return nodes[len(unknowns)].error(found, "expected one for each boundary value", "leave out an equation")
     left = without_equation(unknowns, equations)

@@ -8,16 +8,22 @@ from fractions import Fraction
 
 from gks.errors import IrrationalValue, ParameterError
 from gks.scheme.expression import Expr, rational_sqrt
-from gks.scheme.limits import MAX_BITS
+from gks.scheme.limits import MAX_BITS, MULTIPLY_WORK
 
 # Schoolbook gcd and division of b-bit integers cost about b**2; this many units are about a second of them, twenty
 # operations on numbers of MAX_BITS. Checked before each operation on the sizes at hand.
 _MAX_WORK = 20 * MAX_BITS**2
 
 
+def value_work(expr: Expr, bits: int = 0) -> float:
+    """About how long `exact_value` takes at most where the values have that many bits, in nanoseconds."""
+    longest = 2 * expr.size.bits + bits * expr.size.degree
+    return 2_000 * expr.size.written + min(MULTIPLY_WORK * longest**2 * expr.size.written, MULTIPLY_WORK * _MAX_WORK)
+
+
 def exact_value(expr: Expr, values: Mapping[str, Fraction]) -> Fraction:
     """The value at exact parameters, see `Expr.at`."""
-    return expr.fold(_Exact(values))
+    return expr.fold(_Exact({name: values[name] for name in sorted(expr.symbols) if name in values}))
 
 
 class _Exact:
@@ -82,8 +88,8 @@ class _Exact:
             )
 
     def _point(self) -> str:
-        shown = [f"{name} = {_shown(value)}" for name, value in self.values.items()]
-        return ", ".join(shown) if shown else "any parameters"
+        shown = [f"{name} = {_shown(Fraction(value))}" for name, value in self.values.items()]
+        return ", ".join(shown[:6]) if shown else "any parameters"
 
 
 def _bits(value: Fraction) -> int:

@@ -10,7 +10,7 @@ it knows the cost before paying it.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from fractions import Fraction
 from math import comb, isqrt, log2
 from typing import Protocol, TypeVar, cast
@@ -108,7 +108,7 @@ class Expr:
     symbols: frozenset[str]
     rational: bool
     size: Size
-    _hash: int = field(repr=False)
+    _hash: int
 
     def fold(self, algebra: Algebra[T]) -> T:
         """Evaluate bottom-up in the algebra, each shared node once, without recursion.
@@ -220,9 +220,11 @@ _NOTHING: frozenset[str] = frozenset()
 
 def number(value: Fraction | int) -> Expr:
     """An exact rational constant."""
-    value = Fraction(value)
-    size = Size(0, 0, _bits(value.numerator), _bits(value.denominator), 1)
-    return Expr("num", value, "", 0, (), _NOTHING, True, size.checked(), hash(("num", value)))
+    if isinstance(value, int):
+        value = Fraction(value)
+    top, bottom = value.numerator, value.denominator
+    size = Size(0, 0, _bits(top), _bits(bottom), 1)
+    return Expr("num", value, "", 0, (), _NOTHING, True, size.checked(), hash((top, bottom)))
 
 
 def symbol(name: str) -> Expr:
@@ -263,6 +265,12 @@ def add(terms: Sequence[Expr]) -> Expr:
 
 def mul(factors: Sequence[Expr]) -> Expr:
     """The product of any number of factors, constants gathered into one in front and ones left out."""
+    if len(factors) == 2:  # by 1, for speed: every grid value is read with the coefficient 1
+        first, second = factors
+        if first.value == 1:
+            return second
+        if second.value == 1:
+            return first
     constant = _ONE
     rest: list[Expr] = []
     for factor in factors:

@@ -6,9 +6,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from gks.scheme.expression import Expr, add, mul, number
-from gks.scheme.limits import PART_WORK, TERM_WORK, TEST_WORK, Work
+from gks.scheme.limits import TERM_WORK, Work
 from gks.scheme.model import GridValue
-from gks.scheme.zerotest import Range
+from gks.scheme.zerotest import Range, test_work
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,8 +78,7 @@ class ZeroTest:
             return expr.op == "num" and not expr.value
         known = self._known.get(expr)
         if known is None:
-            size = expr.size
-            self._work.spend(TEST_WORK + PART_WORK * size.written * (1 + int(size.bits) // 64))
+            self._work.spend(test_work(expr))
             known = self._known[expr] = expr.identically_zero(self._ranges)
         return known
 

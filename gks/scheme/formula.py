@@ -20,6 +20,7 @@ from itertools import pairwise
 
 from gks.errors import TooLarge, quoted
 from gks.scheme import expression
+from gks.scheme.evaluation import value_work
 from gks.scheme.expression import Expr, number
 from gks.scheme.forms import Combination, Value, ZeroTest, differentiated, negated, scaled, total
 from gks.scheme.gridvalue import Grid, read_grid_value
@@ -83,6 +84,8 @@ def parse_equation(text: str, context: Context) -> LinearForm:
                 "equations are homogeneous in the grid values",
             )  # fmt: skip
         terms = context.is_zero.nonzero(form.terms.items()) if isinstance(form, Combination) else ()
+        # whoever analyses the scheme will evaluate the coefficients, at values of some 64 bits
+        context.work.spend(sum(value_work(coefficient, 64) for _, coefficient in terms))
     if not terms:
         raise FormulaError(0, "all grid values cancel: the equation says 0 = 0", mend="mend the equation")
     return LinearForm(terms)

@@ -11,7 +11,7 @@ from gks.errors import TooLarge
 MAX_FILE_BYTES = 1_000_000
 MAX_TOML_NESTING = 20  # brackets and braces within each other; the format needs three
 MAX_KEY_PARTS = 20  # parts of a dotted key or table header; the format needs three. tomllib is quadratic in them
-MAX_ENTRIES = 50_000  # keys, values and array elements
+MAX_ENTRIES = 50_000  # parts of keys, values and array elements
 MAX_NAMES = 200  # parameters, each a variable of exact polynomials
 MAX_UNKNOWNS = 16  # of one domain
 
@@ -27,22 +27,22 @@ MAX_DEGREE = 10_000  # of numerator and denominator multiplied out, in all symbo
 MAX_BITS = 200_000  # of any coefficient multiplied out and of any exact value: 1e300 to the power 200
 MAX_WRITTEN = 200_000  # parts of a formula with its shorthands written out
 
-# All formulas of a file together, in nanoseconds that were measured for the steps below (to within a factor of two).
+# All formulas of a file together, in nanoseconds as measured on one 2020s core, to within a factor of two. What a
+# step costs stands here or, where it depends on sizes, beside the step.
 MAX_WORK = 1_000_000_000
-TOKEN_WORK = 4_000  # reading one token, and building its part of an expression
-TERM_WORK = 1_000  # adding or scaling one grid value's coefficient
-TEST_WORK = 30_000  # deciding whether a small formula vanishes
-PART_WORK = 30  # the same for a larger one, for each part and 64 bits
-DIGIT_WORK = 4  # reading a number, for each bit of it
+TOKEN_WORK = 12_000  # reading one token, and building its part of an expression
+TERM_WORK = 8_000  # adding or scaling one grid value's coefficient
+DIGIT_WORK = 6  # reading a number, for each bit of it
+MULTIPLY_WORK = 0.00125  # one product, quotient or gcd of integers, times the square of their bits
 
 
 class Work:
     """Adds up the work that a file asks for; TooLarge once it is over the limit."""
 
     def __init__(self) -> None:
-        self._spent = 0
+        self._spent = 0.0
 
-    def spend(self, work: int) -> None:
+    def spend(self, work: float) -> None:
         self._spent += work
         if self._spent > MAX_WORK:
             raise TooLarge("the formulas of this file are together too long or too large to be read")

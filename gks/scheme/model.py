@@ -259,7 +259,7 @@ def _exact(name: str, value: Fraction | int | str | float | Decimal) -> Fraction
     try:
         return rational(value.strip() if isinstance(value, str) else str(value))
     except (ValueError, TooLarge) as error:
-        raise ParameterError(str(error), path=name, expected="a number such as 9/10, 0.9 or 1e-10") from None
+        raise ParameterError(str(error), path=name, expected="expected a number such as 9/10, 0.9 or 1e-10") from None
 
 
 def _printed(value: Fraction) -> str:

@@ -7,8 +7,9 @@ from dataclasses import replace
 from fractions import Fraction
 from typing import Protocol
 
-from gks.errors import IrrationalValue, ParameterError, SchemeError, quoted
+from gks.errors import IrrationalValue, ParameterError, SchemeError, TooLarge, quoted
 from gks.scheme.document import Node
+from gks.scheme.evaluation import value_work
 from gks.scheme.formula import RESERVED, Context, parse_expression
 from gks.scheme.tokens import NAME, FormulaError, character
 
@@ -37,7 +38,11 @@ def exact_number(node: Node, context: Context) -> Fraction | float:
     if not isinstance(node.value, str):
         return node.number()
     try:
-        return parse_expression(node.value, replace(context, names={}, place="a number in quotes")).at({})
+        formula = parse_expression(node.value, replace(context, names={}, place="a number in quotes"))
+        context.work.spend(value_work(formula))
+        return formula.at({})
+    except TooLarge as error:
+        raise node.error(str(error)) from None
     except FormulaError as fault:
         raise node.formula_error(fault) from None
     except IrrationalValue:

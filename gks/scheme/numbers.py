@@ -20,10 +20,10 @@ def rational(text: str) -> Fraction:
     above, slash, below = text.partition("/")
     if not slash:
         return decimal(text)
-    divisor = decimal(below)
+    divisor = decimal(below.strip())
     if not divisor:
         raise ValueError(f"{quoted(text)} divides by zero")
-    return decimal(above) / divisor
+    return decimal(above.strip()) / divisor
 
 
 def decimal(text: str) -> Fraction:

@@ -195,6 +195,8 @@ def _named_reach(
         analysed = True
         for unknown, polynomial in zip(half_line.unknowns, annihilators, strict=True):
             found[unknown] |= _offsets_read(polynomial, functions, upwinded)
+        if all(read >= functions.keys() for read in found.values()):
+            break  # no other point can add any
     if refused and not analysed:
         raise refused
     return {unknown: (min(offsets), max(offsets)) for unknown, offsets in found.items()}

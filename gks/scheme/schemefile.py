@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import PurePath
 
 from gks.scheme.claims import read_claims
@@ -79,6 +80,6 @@ def _with_definitions(node: Node, context: Context, taken: Mapping[str, str]) ->
     shorthands = node.table()
     for name, entry in shorthands.items():
         check_name(name, taken, entry.key_error)
-    names = {**context.names, **resolved(shorthands, context)}
+    names = {**context.names, **resolved(shorthands, replace(context, place="a definition"))}
     taken = {**taken, **dict.fromkeys(shorthands, "a definition")}
-    return Context(names, context.is_zero, context.work), taken
+    return replace(context, names=names), taken

@@ -164,13 +164,13 @@ class _Scanner:
                 raise _NoToml
             self.place = match.end()
             parts.append(_unquoted(match[0]))
+            self.count(start)
             dot = _DOT.match(self.text, self.place)
             if dot is None:
                 break
             self.place = dot.end()
             if len(parts) == MAX_KEY_PARTS:
                 raise TooMuch(start, f"a key of over {MAX_KEY_PARTS} parts")
-        self.count(start)
         return parts
 
     def key_value(self, table: Path, nesting: tuple[str, ...]) -> None:

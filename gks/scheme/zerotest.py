@@ -17,7 +17,6 @@ zero; only a formula that vanishes to 120 digits at three random points and not 
 
 from __future__ import annotations
 
-import random
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from itertools import islice
@@ -39,8 +38,8 @@ _MERSENNE = (
 )  # fmt: skip
 assert _MERSENNE[-1] > MAX_BITS
 
-# Longest integers of the Kronecker point: products of two take about 20 microseconds.
-_KRONECKER_BITS = 10_000
+# Longest integers of the Kronecker point: a product of two takes about 10 microseconds.
+_KRONECKER_BITS = 4_096
 
 _BALL_BITS = 400  # to which a formula with square roots must vanish at each point
 _MOST_BALL_BITS = 40_000  # spent on cancellation between long coefficients or high powers
@@ -53,6 +52,37 @@ def identically_zero(expr: Expr, ranges: Mapping[str, Range]) -> bool:
     Raises ZeroDivisionError if a denominator is identically zero.
     """
     return any(_vanishes(part, ranges) for part in _factors(expr))
+
+
+def test_work(expr: Expr) -> float:
+    """About how long `identically_zero` takes, in nanoseconds; where there are few powers an overestimate.
+
+    A power takes up to 40 products. Long integers multiply in time b**1.6 (Karatsuba), measured 4 ns times (b/30)**1.6;
+    balls multiply faster, square roots and conversions take their share.
+    """
+    work = 0.0
+    for part in _factors(expr):
+        written = part.size.written
+        if part.op == "num":
+            work += 1_000
+        elif not part.rational:
+            work += 300_000 + written * _POINTS * (3_000 + 100 * pow(_ball_precision(part) / 64, 1.3))
+        elif _kronecker_bits(part) <= _KRONECKER_BITS:
+            work += 30_000 + 8_000 * written
+        else:
+            work += 60_000 + 40 * written * (200 + 4 * pow((part.size.bits + 128) / 30, 1.6))
+    return work
+
+
+def _kronecker_bits(expr: Expr) -> int:
+    """How long Kronecker's integers are; too long in any case with over 12 symbols."""
+    spread: int = (expr.size.degree + 1) ** min(len(expr.symbols), 12)
+    return (ceil(expr.size.bits) + 1) * spread
+
+
+def _ball_precision(expr: Expr) -> int:
+    """In bits: a drawn coordinate has about 128, and as many may cancel in each of its powers."""
+    return _BALL_BITS + min(ceil(expr.size.bits) + 128 * expr.size.degree, _MOST_BALL_BITS)
 
 
 def _factors(expr: Expr) -> Iterator[Expr]:
@@ -84,12 +114,14 @@ def _vanishes(part: Expr, ranges: Mapping[str, Range]) -> bool:
 def _rational_vanishes(part: Expr) -> bool:
     names = sorted(part.symbols)
     bits, spread = ceil(part.size.bits) + 1, part.size.degree + 1
-    if bits * spread ** len(names) <= _KRONECKER_BITS:
+    if _kronecker_bits(part) <= _KRONECKER_BITS:
         point = {name: 1 << bits * spread**k for k, name in enumerate(names)}
         numerator, denominator = part.fold(_Quotients(point, lambda value: value))
     else:
+        from random import Random  # imported late: seldom needed
+
         q = next(q for q in _MERSENNE if q > bits)
-        source = random.Random(str(part))
+        source = Random(str(part))
         point = {name: source.getrandbits(q - 1) for name in names}
         numerator, denominator = part.fold(_Quotients(point, _modulo_mersenne(q)))
     if not denominator:
@@ -150,6 +182,8 @@ class _Quotients:
         return self.reduce(a[0] * b[1] + b[0] * a[1]), self.reduce(a[1] * b[1])
 
     def _product(self, a: Quotient, b: Quotient) -> Quotient:
+        if a[1] == b[1] == 1:
+            return self.reduce(a[0] * b[0]), 1
         return self.reduce(a[0] * b[0]), self.reduce(a[1] * b[1])
 
 
@@ -169,8 +203,7 @@ def _ball_vanishes(part: Expr, ranges: Mapping[str, Range]) -> bool:
     import flint
 
     finite = 0
-    cancellation = ceil(part.size.bits) + 128 * part.size.degree  # a drawn coordinate has about 128 bits
-    with flint.ctx.workprec(_BALL_BITS + min(cancellation, _MOST_BALL_BITS)):
+    with flint.ctx.workprec(_ball_precision(part)):
         for values in _points(part.symbols, ranges):
             ball = part.fold(_Balls(values))
             if not ball.is_finite():

@@ -4,6 +4,7 @@ import json
 from decimal import Decimal
 from fractions import Fraction
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -37,8 +38,9 @@ def test_neither_a_name_nor_a_file_says_so() -> None:
 
 def test_every_way_to_write_a_value_is_the_same_value() -> None:
     scheme = gks.load("traditional-1")
-    nine_tenths = ["9/10", "0.9", 0.9, Decimal("0.9"), Fraction(9, 10), np.float64(0.9)]
-    assert {str(scheme.derive(lam=value, alpha=np.int64(5)).to_json()) for value in nine_tenths} == {
+    nine_tenths: list[Any] = ["9/10", "0.9", 0.9, Decimal("0.9"), Fraction(9, 10), np.float64(0.9)]
+    five: Any = np.int64(5)
+    assert {str(scheme.derive(lam=value, alpha=five).to_json()) for value in nine_tenths} == {
         str(scheme.derive({"lam": "9/10"}, alpha=5).to_json())
     }
 
@@ -70,7 +72,8 @@ def test_a_loaded_scheme_prints_its_title_source_and_parameters() -> None:
 
 def test_a_curve_takes_an_array_a_text_or_a_sweep() -> None:
     scheme = gks.load("traditional-1")
-    points = [scheme.curve(alpha=array).to_json()["points"] for array in ("1:5:3", [1, "3", 5], np.linspace(1, 5, 3))]
+    arrays: list[Any] = ["1:5:3", [1, "3", 5], np.linspace(1, 5, 3)]
+    points = [scheme.curve(alpha=array).to_json()["points"] for array in arrays]
     points.append(scheme.curve(sweep="alpha=1:5:3").to_json()["points"])
     assert all(each == points[0] for each in points)
 

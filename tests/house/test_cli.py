@@ -1,5 +1,6 @@
 """The command line's manners: exit statuses, one message, nothing on standard output that is not the result."""
 
+import argparse
 import json
 import os
 import subprocess
@@ -9,7 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from gks.cli import main
+from gks import commands
+from gks.cli import main, parser
 from gks.commands import json_text
 
 Run = Callable[..., tuple[int, str, str]]
@@ -45,6 +47,11 @@ def process(
         env={**os.environ, **environment},
         check=False,
     )
+
+
+def test_every_command_that_is_offered_is_carried_out() -> None:
+    (offered,) = (action.choices for action in parser()._actions if isinstance(action, argparse._SubParsersAction))
+    assert set(offered) == set(commands._COMMANDS)
 
 
 # --- 2: the input is at fault

@@ -59,8 +59,9 @@ def shape(found: CauchySet) -> list[tuple[float, float, bool, bool]]:
     ],
 )
 def test_known_limits_and_whether_they_belong(space: str, time: str, expected: float, belongs: bool) -> None:
-    (only,) = shape(cauchy_set(lines(space, time)))
-    assert only == (0, pytest.approx(expected, rel=1e-5), False, belongs)
+    ((low, high, *ends),) = shape(cauchy_set(lines(space, time)))
+    assert (low, ends) == (0, [False, belongs])
+    assert high == pytest.approx(expected, rel=1e-5)
 
 
 @pytest.mark.parametrize(
@@ -101,9 +102,12 @@ def test_a_scan_over_wave_numbers_sees_the_same(space: str, time: str) -> None:
 
 class TestShapes:
     def test_an_isolated_unstable_value_splits_an_interval(self) -> None:
-        # z = 1 and z = 1 + lam - ... : roots 1 and lam*(lam - 2)**2 ... meet only where (lam - 1)**2 = 0.
+        # The roots 1 and 2/(2 + (lam - 1)**2) meet at lam = 1 only.
         poly = (z - 1) * ((2 + (lam - 1) ** 2) * z - 2)
         assert shape(cauchy_set(poly)) == [(0, 1, False, False), (1, inf, False, False)]
+
+    def test_an_equation_that_says_nothing_at_one_value(self) -> None:
+        assert shape(cauchy_set((lam - 1) * (2 * z - 1))) == [(0, 1, False, False), (1, inf, False, False)]
 
     def test_an_isolated_stable_value_is_left_out(self) -> None:
         found = cauchy_set(z - 1 - (lam - 1) ** 2)
@@ -111,7 +115,7 @@ class TestShapes:
         assert cauchy_stable(z - 1 - (lam - 1) ** 2, {"lam": Root.of(1)}).stable
 
     def test_two_intervals_with_their_ends(self) -> None:
-        # abs(z) = abs((lam - 2)**2 - 2)/2 <= 1 for (lam - 2)**2 <= 4.
+        # abs(z) <= 1 for (lam - 3)**2 <= 4 in the first two, for 1 <= (lam - 3)**2 <= 5 in the third.
         poly = 2 * z - ((lam - 3) ** 2 - 2) * kappa
         assert shape(cauchy_set(poly)) == [(1, 5, True, True)]
         both = 4 * z - ((lam - 3) ** 2 - 2) ** 2
@@ -127,7 +131,9 @@ class TestShapes:
     def test_an_irrational_speed(self) -> None:
         root_two = isolated_roots(fmpz_poly([-2, 0, 1]))[1]
         poly = kappa * z**2 + lam * s * (kappa**2 - 1) * z - kappa
-        assert shape(cauchy_set(poly, {"s": root_two})) == [(0, pytest.approx(sqrt(0.5)), False, False)]
+        (only,) = cauchy_set(poly, {"s": root_two}).intervals
+        assert only.high == isolated_roots(fmpz_poly([-1, 0, 2]))[1]
+        assert not only.high_stable
 
 
 @given(st.lists(st.tuples(st.integers(-3, 3), st.integers(-3, 3)), min_size=2, max_size=3))

@@ -5,9 +5,10 @@ from __future__ import annotations
 from fractions import Fraction as F
 
 import numpy as np
-from gks.modes.doubledouble import UNIT, Complex, Real, two_prod, two_sum
 from hypothesis import given
 from hypothesis import strategies as st
+
+from gks.modes.doubledouble import UNIT, Complex, Real, two_prod, two_sum
 
 doubles = st.floats(min_value=-1e60, max_value=1e60).filter(lambda x: x == 0 or abs(x) > 1e-60)
 U2 = F(UNIT) ** 2

@@ -8,15 +8,16 @@ from fractions import Fraction as F
 import mpmath
 import numpy as np
 import pytest
-from gks.modes.rootbatch import Roots, roots
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
+from gks.modes.rootbatch import Roots, roots
 
 mpmath.mp.dps = 80
 
 
 def interface(a: np.ndarray) -> np.ndarray:
-    """(2 r**2 - r + 1)**2 + a (3 r - 1)**2, of a second-order coupling: four roots sqrt(a) apart, a pair 1/sqrt(a) apart."""
+    """(2 r**2 - r + 1)**2 + a (3 r - 1)**2: a second-order coupling, roots sqrt(a) apart and a pair 1/sqrt(a) apart."""
     return np.stack([1 + a, -2 - 6 * a, 5 + 9 * a, -4 + 0 * a, 4 + 0 * a], axis=1)
 
 

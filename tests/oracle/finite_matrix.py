@@ -1,8 +1,8 @@
 """The slow second way to growing modes: eigenvalues of the finite problem's one-step matrix.
 
-Eigenvalues outside the unit circle of a truncated problem tend to the admissible modes as the truncation moves away, while those of
-the interior (its symbol curve) stay inside for a Cauchy-stable scheme. Inside the circle the finite matrix shows its own spectrum,
-which is no one's mode, so nothing is said there.
+Eigenvalues outside the unit circle of a truncated problem tend to the admissible modes as the truncation moves away,
+while those of the interior (its symbol curve) stay inside for a Cauchy-stable scheme. Inside the circle the finite
+matrix shows its own spectrum, which is no one's mode, so nothing is said there.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from fractions import Fraction
 
 import numpy as np
+
 from gks.scheme.model import Scheme
 from gks.solvers.update import update_matrix
 

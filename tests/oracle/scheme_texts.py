@@ -89,13 +89,21 @@ LAX_WENDROFF = "u[i, n+1] = u[i] + lam/2*(u[i+1] - u[i-1]) + lam**2/2*(u[i+1] - 
 
 def constructs() -> dict[str, Scheme]:
     """One scheme for each construct of the format that a march has to know."""
-    named = {
-        f"{space} {time}": interface(PAIRS[space], time, space)
-        for space, time in [
-            ("upwind1", "rk4"), ("upwind1", "exact"), ("upwind1", "ab3"), ("central2", "leapfrog"), ("central2", "bdf2"),
-            ("compact4", "rk2"), ("compact4", "ab2"), ("upwind1", "crank-nicolson"), ("upwind1", "backward-euler"),
-        ]
-    }  # fmt: skip
+    pairs = [
+        ("upwind1", "rk4"),
+        ("upwind1", "exact"),
+        ("upwind1", "ab3"),
+        ("upwind1", "crank-nicolson"),
+        ("upwind1", "backward-euler"),
+        ("central2", "leapfrog"),
+        ("central2", "bdf2"),
+        ("compact4", "rk2"),
+        ("compact4", "ab2"),
+    ]
+    named = {f"{space} {time}": interface(PAIRS[space], time, space) for space, time in pairs}
+    central, own = "dt(u[i]) = (u[i+1] - u[i-1])/2", '"dt(u[0]) = u[1] - u[0]"'
+    compact = "dt(u[i-1])/4 + dt(u[i]) + dt(u[i+1])/4 = 3/4*(u[i+1] - u[i-1])"
+    one_sided = '"dt(u[0]) + 2*dt(u[1]) = (-5*u[0] + 4*u[1] + u[2])/2"'
     return named | {
         "traditional": traditional(),
         "mixed integrators": interface(PAIRS["upwind1"], right='time = "backward-euler"'),
@@ -104,20 +112,11 @@ def constructs() -> dict[str, Scheme]:
         "leapfrog, closure over levels": half_line(LEAPFROG, '"u[0, n+1] = 2*u[1] - u[2, n-1]"', 1),
         "implicit": half_line(CRANK_NICOLSON, '"u[0, n+1] = u[1, n]"', 1),
         "mirrored": half_line(LAX_WENDROFF, '"u[1] = 2*u[0] - u[-1]"', 0, "left"),
-        "boundary point with its own equation": half_line(
-            "dt(u[i]) = (u[i+1] - u[i-1])/2", '"dt(u[0]) = u[1] - u[0]"', 1, time="rk4"
-        ),
-        "the same, multistep": half_line(
-            "dt(u[i]) = (u[i+1] - u[i-1])/2", '"dt(u[0]) = u[1] - u[0]"', 1, time="ab3"
-        ),
-        "compact written out": half_line(
-            "dt(u[i-1])/4 + dt(u[i]) + dt(u[i+1])/4 = 3/4*(u[i+1] - u[i-1])", '"dt(u[0]) + 2*dt(u[1]) = (-5*u[0] + 4*u[1] + u[2])/2"',
-            1, time="rk4",
-        ),
-        "exact with its own equation": half_line(
-            "dt(u[i]) = (u[i+1] - u[i-1])/2", '"dt(u[0]) = u[1] - u[0]"', 1, time="exact"
-        ),
-    }  # fmt: skip
+        "boundary point with its own equation": half_line(central, own, 1, time="rk4"),
+        "the same, multistep": half_line(central, own, 1, time="ab3"),
+        "compact written out": half_line(compact, one_sided, 1, time="rk4"),
+        "exact with its own equation": half_line(central, own, 1, time="exact"),
+    }
 
 
 PAIRS = {

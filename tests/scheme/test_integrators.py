@@ -7,6 +7,7 @@ from math import factorial
 
 import numpy as np
 import pytest
+
 from gks.scheme.integrators import INTEGRATORS, Integrator, integrator
 
 MULTISTEP = [i for i in INTEGRATORS.values() if i.kind == "multistep"]
@@ -43,7 +44,7 @@ def test_multistep_methods_are_normalised_and_zero_stable(method: Integrator) ->
 
 @pytest.mark.parametrize("method", RUNGE_KUTTA, ids=name_of)
 def test_runge_kutta_order_conditions_of_the_tableau(method: Integrator) -> None:
-    """All trees up to order 4 (Hairer, Norsett & Wanner I, II.2): satisfied up to the order, and one fails beyond it."""
+    """All trees up to order 4 (Hairer, Norsett & Wanner I, II.2): satisfied up to the order, and one fails beyond."""
     tableau = method.tableau
     assert tableau is not None and method.order is not None
     a, b, c = tableau.a, tableau.b, tableau.c
@@ -134,6 +135,7 @@ def test_names_and_sources() -> None:
     names = "forward-euler backward-euler crank-nicolson leapfrog ab2 ab3 bdf2 rk2 ssprk3 rk4 exact"
     assert list(INTEGRATORS) == names.split()
     assert all(i.source for i in INTEGRATORS.values())
-    assert [i.name for i in INTEGRATORS.values() if not i.explicit] == ["backward-euler", "crank-nicolson", "bdf2", "exact"]
+    implicit = [i.name for i in INTEGRATORS.values() if not i.explicit]
+    assert implicit == ["backward-euler", "crank-nicolson", "bdf2", "exact"]
     with pytest.raises(KeyError):
         integrator("rk5")

@@ -7,11 +7,12 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
 from gks.errors import NotAnalysable
 from gks.scheme.expression import number, sqrt, symbol
 from gks.solvers.coefficients import balanced, discrete_blocks, evaluate, matrix_function, space_blocks
-from hypothesis import given
-from hypothesis import strategies as st
 
 
 def positive_part(speed: float) -> float:

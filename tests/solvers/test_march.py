@@ -8,18 +8,26 @@ from dataclasses import replace
 from fractions import Fraction
 from types import SimpleNamespace
 
-import gks.modes
 import numpy as np
 import pytest
-from gks.catalogue import find
-from gks.errors import NotAnalysable
-from gks.scheme.model import Scheme
-from gks.solvers.growth import Growth
-from gks.solvers.march import _agrees, forced_response, march, march_growth, mode_march
-from gks.solvers.problem import build
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+import gks.modes
+from gks.catalogue import find
+from gks.errors import NotAnalysable, ParameterError
+from gks.scheme.model import Scheme
+from gks.solvers.growth import Growth, Trace
+from gks.solvers.march import (
+    March,
+    _agrees,
+    _nothing_claimed,
+    forced_response,
+    march,
+    march_growth,
+    mode_march,
+)
+from gks.solvers.problem import build
 from tests.oracle.finite_matrix import growing_modulus
 from tests.oracle.scheme_texts import BACKWARD_CENTRED, CRANK_NICOLSON, LEAPFROG, half_line, traditional, weighted
 
@@ -142,21 +150,34 @@ class TestGeneralized:
 class TestAgreement:
     """`agrees` can say no, and says why."""
 
-    QUIET = Growth(0.9, 0.01, "random")
+    @staticmethod
+    def random(rate: float, uncertainty: float = 0.01, steps: int = 1000) -> March:
+        return March(Growth(rate, uncertainty, "random"), Trace(np.ones((2, 1)), np.zeros(2)), (9, 9), steps)
 
     def test_a_difference_beyond_the_uncertainty(self) -> None:
-        assert _agrees(1.2, Growth(1.2005, 1e-6, ""), self.QUIET)[0]
-        agrees, why = _agrees(1.2, Growth(1.21, 1e-6, ""), self.QUIET)
+        assert _agrees(1.2, Growth(1.2005, 1e-6, ""), self.random(0.9))[0]
+        agrees, why = _agrees(1.2, Growth(1.21, 1e-6, ""), self.random(0.9))
         assert not agrees and "differ by" in why
-        assert _agrees(1.2, Growth(1.21, 0.02, ""), self.QUIET)[0]
+        assert _agrees(1.2, Growth(1.21, 0.02, ""), self.random(0.9))[0]
 
     def test_different_sides_of_the_circle_never_agree(self) -> None:
-        agrees, why = _agrees(0.9998, Growth(1.0003, 1e-6, ""), self.QUIET)
+        agrees, why = _agrees(0.9998, Growth(1.0003, 1e-6, ""), self.random(0.9))
         assert not agrees and "different sides" in why
 
     def test_random_data_must_not_outgrow_the_prediction(self) -> None:
-        agrees, why = _agrees(0.9, Growth(0.9, 1e-9, ""), Growth(1.1, 0.01, "random"))
+        agrees, why = _agrees(0.9, Growth(0.9, 1e-9, ""), self.random(1.1))
         assert not agrees and "faster than any mode" in why
+        assert _agrees(0.9, Growth(0.9, 1e-9, ""), self.random(1.1, 0.2))[0]
+
+    def test_growth_too_slow_for_the_march_to_tell_from_a_transient(self) -> None:
+        assert _nothing_claimed(self.random(1.0005, 1e-6, steps=1000), interior=False)[0]
+        assert not _nothing_claimed(self.random(1.0005, 1e-6, steps=10000), interior=False)[0]
+        assert _nothing_claimed(self.random(1.5), interior=True)[0]
+
+    def test_fast_waves_beside_slow_ones_are_no_growth(self) -> None:
+        """Speeds 1 : 1e4, so that a thousand steps are a tenth of the slow side's time scale."""
+        scheme = find("weighted-1-unequal")
+        assert march(scheme, scheme.values({"c": "1e4", "lam": "9e-5"})).agrees
 
     @pytest.mark.parametrize(
         ("modes", "agrees"),
@@ -200,8 +221,13 @@ class TestSizes:
             # r = (1 + i sqrt(alpha))/2: abs(z) = lam sqrt(alpha)/2 to rounding.
             assert found.rate == pytest.approx(float(Fraction(lam)) * 0.5e70, rel=1e-6)
 
+    @pytest.mark.parametrize("sizes", [{"cells": 0}, {"steps": 0}, {"cells": -5}])
+    def test_no_cells_or_steps(self, sizes: dict[str, int]) -> None:
+        with pytest.raises(ParameterError, match="at least one"):
+            march_growth(traditional(), traditional().values({}), **sizes)
+
     def test_growth_beyond_doubles_in_one_step_is_refused(self) -> None:
-        scheme = half_line("u[i, n+1] = 10**308*u[i] + 10**308*u[i-1]", '"u[-1] = 2*u[0]"')
+        scheme = half_line("u[i, n+1] = u[i] + 10**200*u[i-1]", '"u[-1] = 10**200*u[0]"')
         with pytest.raises(NotAnalysable, match="passes the largest double"):
             march_growth(scheme, scheme.values({}), steps=10)
 

@@ -6,6 +6,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+
 from gks.errors import NotAnalysable
 from gks.scheme.model import Scheme
 from gks.solvers.march import march_growth
@@ -14,7 +15,6 @@ from gks.solvers.problem import build
 from gks.solvers.relation import Explicit, Implicit
 from gks.solvers.seeds import random_levels
 from gks.solvers.update import Marcher
-
 from tests.oracle.scheme_texts import (
     BACKWARD_CENTRED,
     CRANK_NICOLSON,
@@ -71,7 +71,9 @@ def test_slices_and_factorisation_agree() -> None:
 
 
 def test_upwind_interior_step_by_hand() -> None:
-    """Right-going u + s and left-going u - s at alpha = 1 are shifted copies at lam = 1: each cell takes its neighbour's."""
+    """Right-going u + s and left-going u - s at alpha = 1 are shifted copies at lam = 1: each cell takes its
+    neighbour's.
+    """
     scheme = traditional()
     problem = build(scheme, scheme.values({"lam": 1}))
     grid = layout(problem, (12, 12))
@@ -117,7 +119,9 @@ def test_growth_by_hundreds_of_orders_of_magnitude_is_kept_in_the_exponent() -> 
 
 
 def test_update_matrix_of_the_crank_nicolson_trap_shows_growth_that_vanishes_with_more_cells() -> None:
-    """The finite matrix gives 1.0005 where the right answer is abs(z) = 1 exactly: the oracle's limits, kept in view."""
+    """The finite matrix gives 1.0005 where the right answer is abs(z) = 1 exactly: the oracle's limits, kept in
+    view.
+    """
     scheme = half_line(CRANK_NICOLSON, '"u[0, n+1] = u[1, n]"', 1)
     values = scheme.values({"lam": "2.1"})
     radii = [np.abs(np.linalg.eigvals(update_matrix(scheme, values, cells))).max() for cells in (40, 80, 160)]
@@ -150,7 +154,9 @@ class TestRefused:
 
 
 def test_newest_levels_couple_only_where_they_are_written() -> None:
-    """Leapfrog is explicit, Crank-Nicolson and backward Euler are not; a marcher takes the cheap way where there is one."""
+    """Leapfrog is explicit, Crank-Nicolson and backward Euler are not; a marcher takes the cheap way where there is
+    one.
+    """
     for text, closure, kind in (
         (LEAPFROG, '"u[0, n+1] = u[1, n+1]"', Explicit),
         (CRANK_NICOLSON, '"u[0, n+1] = u[1]"', Implicit),

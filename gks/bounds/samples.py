@@ -1,0 +1,166 @@
+"""Where a claimed bound is looked at: exact parameter values that spread over the ranges the claim is made for.
+
+A claim speaks of every value of a parameter that it leaves open: of each parameter that has a range, and of each that its
+formula names, unless its `at` sets it. Others are at their defaults.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from fractions import Fraction
+from itertools import combinations, pairwise
+
+from gks.bounds.claimvalue import difference
+from gks.errors import InputError
+from gks.scheme.expression import Expr
+from gks.scheme.model import Claim, Parameter, Scheme
+
+SPREAD = 16
+"""Values of each open parameter, whatever its range."""
+
+UNBOUNDED_DECADES = 6
+"""How far from the default values go towards an end that is 0 or infinite."""
+
+BISECTIONS = 12
+"""Halvings that close in on the point where a formula goes from one of its pieces to another: to 1/4000 of a gap."""
+
+Values = Mapping[str, Fraction]
+
+
+def open_parameters(scheme: Scheme, claim: Claim) -> list[Parameter]:
+    """The parameters that a claimed bound leaves open."""
+    named = claim.bound.symbols if claim.bound is not None else frozenset()
+    return [
+        parameter
+        for parameter in scheme.parameters
+        if parameter.role != "cfl" and parameter.name not in claim.at and (parameter.ranged or parameter.name in named)
+    ]
+
+
+def samples(scheme: Scheme, claim: Claim) -> list[dict[str, Fraction]]:
+    """The parameter values at which a claimed bound is held: one set where nothing is open.
+
+    Several open parameters run together, each through its own values in another order.
+    """
+    free = open_parameters(scheme, claim)
+    fixed = scheme.values(_usable(claim.at), [p.name for p in free if p.default is None])
+    if not free:
+        return [fixed]
+    spreads = [_spread(parameter) for parameter in free]
+    sets = [{**fixed, **{p.name: p.default for p in free if p.default is not None}}] if all(
+        p.default is not None and inside(p, p.default) for p in free
+    ) else []
+    for k in range(SPREAD):
+        # Strides coprime to the 16 places: each parameter meets each of its values once.
+        chosen = {p.name: spread[(k * (2 * j + 1)) % SPREAD] for j, (p, spread) in enumerate(zip(free, spreads, strict=True))}
+        sets.append({**fixed, **chosen})
+    if len(free) == 1:
+        name = free[0].name
+        sets.sort(key=lambda values: values[name])
+        sets = sorted([*sets, *_switches(claim.bound, sets, name)], key=lambda values: values[name])
+    return sets
+
+
+def inside(parameter: Parameter, value: Fraction) -> bool:
+    """Whether a value lies in a parameter's open range."""
+    return (parameter.low is None or parameter.low < value) and (parameter.high is None or value < parameter.high)
+
+
+def _usable(at: Mapping[str, Fraction]) -> dict[str, Fraction]:
+    return dict(at)
+
+
+def _spread(parameter: Parameter) -> list[Fraction]:
+    """SPREAD values in the open range, evenly spaced in the logarithm on each side of 0."""
+    low, high = parameter.low, parameter.high
+    centre = abs(parameter.default or Fraction(1))
+    if low is not None and low >= 0:
+        return _geometric(low, high, centre, SPREAD, parameter)
+    if high is not None and high <= 0:
+        return [-value for value in _geometric(-high, None if low is None else -low, centre, SPREAD, None)]
+    below = _geometric(Fraction(0), None if low is None else -low, centre, SPREAD // 2, None)
+    return [-value for value in reversed(below)] + _geometric(Fraction(0), high, centre, SPREAD // 2, None)
+
+
+def _geometric(
+    low: Fraction, high: Fraction | None, centre: Fraction, count: int, parameter: Parameter | None
+) -> list[Fraction]:
+    """Values of three digits where these lie inside, strictly between the ends, in a constant ratio."""
+    far = 10**UNBOUNDED_DECADES
+    bottom = low if low > 0 else (min(centre, high) if high is not None else centre) / far
+    top = high if high is not None else max(centre, bottom) * far
+    values = []
+    for k in range(count):
+        share = Fraction(2 * k + 1, 2 * count)
+        value = _between(bottom, top, share)
+        values.append(value)
+    return values
+
+
+def _between(bottom: Fraction, top: Fraction, share: Fraction) -> Fraction:
+    """bottom**(1 - share) * top**share, to three digits if these stay between the ends."""
+    from decimal import Context, Decimal
+
+    fine, short = Context(prec=30, Emax=10**6, Emin=-(10**6)), Context(prec=3, Emax=10**6, Emin=-(10**6))
+
+    def log(value: Fraction) -> Decimal:
+        return fine.ln(fine.divide(Decimal(value.numerator), Decimal(value.denominator)))
+
+    weight = fine.divide(Decimal(share.numerator), Decimal(share.denominator))
+    exact = fine.exp(fine.add(fine.multiply(log(bottom), 1 - weight), fine.multiply(log(top), weight)))
+    rounded = Fraction(short.plus(exact))
+    return rounded if bottom < rounded < top else Fraction(exact)
+
+
+def _switches(formula: Expr | None, sets: Sequence[Values], name: str) -> Iterator[dict[str, Fraction]]:
+    """Where the pieces of a formula's min and max meet, and a value on each side."""
+    if formula is None:
+        return
+    for node in formula.nodes():
+        if node.op in ("min", "max"):
+            for one, other in combinations(node.args, 2):
+                yield from _meeting(one, other, sets, name)
+
+
+def _meeting(one: Expr, other: Expr, sets: Sequence[Values], name: str) -> Iterator[dict[str, Fraction]]:
+    signs = [_sign(one, other, values) for values in sets]
+    for (before, sign), (after, next_sign) in pairwise(zip(sets, signs, strict=True)):
+        if sign is None or next_sign is None or sign * next_sign >= 0:
+            continue
+        low, high = before[name], after[name]
+        for _ in range(BISECTIONS):
+            middle = simplest_between(low + (high - low) / 4, high - (high - low) / 4)
+            here = _sign(one, other, {**before, name: middle})
+            if not here:
+                yield {**before, name: middle}
+                break
+            low, high = (middle, high) if here == sign else (low, middle)
+        else:
+            # A meeting point that is a short fraction is the simplest one in its bracket.
+            yield {**before, name: simplest_between(low, high)}
+        yield {**before, name: low}
+        yield {**before, name: high}
+
+
+def _sign(one: Expr, other: Expr, values: Values) -> int | None:
+    try:
+        return difference(one, other, values)
+    except InputError:
+        return None  # one of them has no value here
+
+
+def simplest_between(low: Fraction, high: Fraction) -> Fraction:
+    """The fraction with the smallest denominator (then numerator) strictly between two numbers, low < high."""
+    if low < 0 < high:
+        return Fraction(0)
+    if high <= 0:
+        return -simplest_between(-high, -low)
+    whole = low.numerator // low.denominator
+    if whole + 1 < high:
+        return Fraction(whole + 1)
+    # low and high lie in [whole, whole + 1]: go on with the reciprocals of what is left.
+    rest_low, rest_high = low - whole, high - whole
+    if rest_low == 0:
+        below = 1 / rest_high
+        return whole + Fraction(1, below.numerator // below.denominator + 1)
+    return whole + 1 / simplest_between(1 / rest_high, 1 / rest_low)

@@ -1,0 +1,112 @@
+"""Every z with abs(z) >= 1 as the image of one closed disc abs(w) <= 1, for every kind of resolvent variable.
+
+- z itself: z = 1/w.
+- s under a linear multistep method: z = 1/w and lam*s = rho(z)/sigma(z), with no pole for abs(z) > 1.
+- s under a Runge-Kutta method: z = 1/w and lam*s one of the roots mu of R(mu) = z. The set abs(R) > 1 is connected (R has
+  no pole, so by the maximum principle each of its components reaches infinity), and a product over all the roots mu is
+  a function of w that has no branch points.
+- s for the semi-discrete problem: lam*s = (1 + w)/(1 - w), which takes the disc to Re s >= 0.
+
+The point at infinity is a point like any other, since values of lam*s (or z) are quotients a/b: a polynomial of degree d
+in the variable is evaluated as sum_i c_i a**i b**(d-i). The pair (a, b) is analytic for abs(w) < 1 and has no common
+zeros, so it adds no zeros to a determinant. (For Runge-Kutta b = 1/(mu + 1): the product of all mu + 1 is z - R(-1) up
+to a constant, and abs(R(-1)) < 1.)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+import numpy as np
+
+from gks.modes.discs import ComplexArray, Discs, linear_combination, powers
+from gks.modes.kreiss import NormalModeProblem
+from gks.modes.rootdiscs import approximate, root_discs
+from gks.scheme.integrators import Integrator
+
+
+@dataclass(frozen=True, slots=True)
+class Chart:
+    """``method`` is None where the variable is z. The variable of the tables is lam*s, or z."""
+
+    method: Integrator | None
+
+    @property
+    def branches(self) -> int:
+        """How many values of the variable belong to one w."""
+        return len(self.method.stability) - 1 if self._runge_kutta else 1
+
+    @property
+    def _runge_kutta(self) -> bool:
+        return self.method is not None and self.method.kind == "runge-kutta"
+
+    def stages(self, node: ComplexArray, start: ComplexArray | None = None) -> ComplexArray:
+        """The roots mu of R(mu) = 1/w at points w (N,), approximately: (N, branches), empty but for Runge-Kutta.
+
+        From a ``start`` nearby they come in its order.
+        """
+        if self.method is None or not self._runge_kutta:
+            return np.empty((len(node), 0), complex)
+        return approximate(self._over(Discs.exact(node)).mid, start)
+
+    def images(self, w: Discs, stages: ComplexArray) -> list[tuple[Discs, Discs]]:
+        """For each branch the pair (a, b) over discs w (N,); ``stages`` belong to a point of each disc."""
+        one = Discs.exact(np.ones(w.mid.shape, complex))
+        if self.method is None:
+            return [(one, w)]
+        if self.method.kind == "exact":
+            return [(one + w, one - w)]
+        if self.method.kind == "multistep":
+            steps = self.method.steps
+            table = powers(w, steps + 1)[::-1]
+            return [(_polynomial(self.method.rho, table), _polynomial(self.method.sigma, table))]
+        found = root_discs(self._over(w), stages)
+        pairs = []
+        for k in range(self.branches):
+            mu = Discs(found.centre[:, k], found.cover[:, k])
+            scale = (mu + one).reciprocal()
+            pairs.append((mu * scale, scale))
+        return pairs
+
+    def _over(self, w: Discs) -> Discs:
+        """The coefficients of w R(mu) - 1, ascending: (N, branches + 1)."""
+        assert self.method is not None
+        table = [_constant(c, w) * w for c in self.method.stability]
+        table[0] = table[0] - Discs.exact(np.ones(w.mid.shape, complex))
+        return Discs(np.stack([c.mid for c in table], 1), np.stack([c.rad for c in table], 1))
+
+    def values(self, w: complex) -> list[complex]:
+        """The values of lam*s (or z) at one w other than 0."""
+        z = 1 / w
+        if self.method is None:
+            return [z]
+        if self.method.kind == "exact":
+            return [(1 + w) / (1 - w)]
+        if self.method.kind == "multistep":
+            return [_at(self.method.rho, z) / _at(self.method.sigma, z)]
+        shifted = np.array([[complex(float(c)) for c in self.method.stability]])
+        shifted[0, 0] -= z
+        return [complex(mu) for mu in approximate(shifted)[0]]
+
+
+def chart_of(problem: NormalModeProblem) -> Chart:
+    """The chart of a problem's resolvent variable."""
+    return Chart(problem.resolvent.integrator if problem.variable == "s" else None)
+
+
+def _constant(value: Fraction, like: Discs) -> Discs:
+    """A rational as a disc of radius one rounding."""
+    mid = np.full(like.mid.shape, complex(float(value)))
+    return Discs(mid, np.abs(mid) * 2.0**-52)
+
+
+def _polynomial(coefficients: Sequence[Fraction], table: list[Discs]) -> Discs:
+    """sum_i coefficients[i] table[i]."""
+    used = table[: len(coefficients)]
+    return linear_combination([_constant(c, table[0]) for c in coefficients], used)
+
+
+def _at(coefficients: Sequence[Fraction], z: complex) -> complex:
+    return sum((float(c) * z**i for i, c in enumerate(coefficients)), 0j)

@@ -1,0 +1,142 @@
+"""The roots of many polynomials at once, each polynomial known up to discs around its coefficients.
+
+Approximations x_1, ..., x_n (of any quality) are turned into inclusions by Smith's theorem (J. ACM 17 (1970) 137-147):
+all roots of p, of degree n with leading coefficient c, lie in the union of the discs
+
+    abs(x - x_j) <= n abs(p(x_j)) / abs(c prod_{i != j} (x_j - x_i)),
+
+and a connected component of the union made up of k discs holds exactly k roots. The bound is evaluated for the worst
+polynomial within the coefficients' discs.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gks.modes.discs import PRODUCT, UNIT, UP, Array, ComplexArray, Discs
+
+Mask = NDArray[np.bool_]
+
+START_STEPS = 40
+"""Simultaneous iteration from Bini-like starting points takes 6 to 15 steps; a multiple root takes one a bit and is cut off
+here: inclusion discs judge what comes out."""
+NEXT_STEPS = 4
+"""From the roots at a neighbouring point the iteration, of third order, is at the rounding error after three steps."""
+
+
+@dataclass(frozen=True, slots=True)
+class RootDiscs:
+    """centre, cover : (N, n). joined : (N, n, n), whether two discs belong to one component of the union.
+
+    With every root of a polynomial one can associate one j so that the root lies within cover[j] of centre[j], and
+    each component gets as many roots as it has members.
+    """
+
+    centre: ComplexArray
+    cover: Array
+    joined: Mask
+
+
+def root_discs(coefficients: Discs, centre: ComplexArray) -> RootDiscs:
+    """Inclusions around approximations; coefficients (N, n+1) ascending, centre (N, n). Infinite where nothing is proved."""
+    degree = centre.shape[1]
+    if not degree:
+        return RootDiscs(centre, np.zeros(centre.shape), np.zeros((*centre.shape, 0), bool))
+    with np.errstate(all="ignore"):  # a coincidence or an overflow makes a radius infinite or nan, which proves nothing
+        size = np.abs(centre)
+        value = np.repeat(coefficients.mid[:, -1:], degree, axis=1)
+        error = np.repeat(coefficients.rad[:, -1:], degree, axis=1)
+        for k in range(degree - 1, -1, -1):
+            product = value * centre
+            value = product + coefficients.mid[:, k : k + 1]
+            error = (
+                error * size + PRODUCT * np.abs(product) + 2 * UNIT * np.abs(value) + coefficients.rad[:, k : k + 1]
+            ) * UP
+        gap = np.abs(centre[:, :, None] - centre[:, None, :]) * (1 - PRODUCT)
+        gap[:, np.arange(degree), np.arange(degree)] = 1.0
+        lead = np.abs(coefficients.mid[:, -1:]) * (1 - PRODUCT) - coefficients.rad[:, -1:]
+        # n factors are multiplied and two sums rounded: n + 8 roundings, of which PRODUCT covers four each.
+        slack = 1 + (degree + 8) * PRODUCT
+        radius = degree * (np.abs(value) + error) / (lead * gap.prod(axis=2)) * slack
+        radius = np.where((lead > 0) & np.isfinite(radius), radius, np.inf)
+        # A gap that rounding closes is one: overlaps must not be missed.
+        joined = gap * (1 - PRODUCT) <= (radius[:, :, None] + radius[:, None, :]) * UP
+        joined[:, np.arange(degree), np.arange(degree)] = True
+        joined = _closure(joined)
+        gap[:, np.arange(degree), np.arange(degree)] = 0.0
+        reach = np.where(joined, gap * (1 + 4 * PRODUCT) + radius[:, None, :], 0.0)
+    return RootDiscs(centre, reach.max(axis=2) * UP, joined)
+
+
+def _closure(joined: Mask) -> Mask:
+    """The transitive closure of a symmetric reflexive relation."""
+    if not joined.sum() > joined.shape[0] * joined.shape[1]:
+        return joined
+    reach = 1
+    while reach < joined.shape[1]:
+        joined = np.matmul(joined.astype(np.int64), joined.astype(np.int64)) > 0
+        reach *= 2
+    return joined
+
+
+def approximate(coefficients: ComplexArray, start: ComplexArray | None = None) -> ComplexArray:
+    """Approximate roots (N, n), by Ehrlich-Aberth iteration from ``start`` or from points on circles."""
+    degree = coefficients.shape[1] - 1
+    if start is None:
+        return _iterated(coefficients, _starting_points(coefficients), START_STEPS)
+    return _iterated(coefficients, start, NEXT_STEPS) if degree else start
+
+
+def _starting_points(coefficients: ComplexArray) -> ComplexArray:
+    """Points at the moduli that the Newton polygon of each polynomial gives (Bini, Numer. Algorithms 13 (1996) 179-200)."""
+    points, width = coefficients.shape
+    degree = width - 1
+    found = np.empty((points, degree), complex)
+    with np.errstate(divide="ignore"):
+        logs = np.log2(np.abs(coefficients))
+    for i in range(points):
+        found[i] = _polygon_points(logs[i], degree)
+    return found
+
+
+def _polygon_points(logs: Array, degree: int) -> ComplexArray:
+    live = [k for k in range(degree + 1) if np.isfinite(logs[k])]
+    hull: list[int] = []
+    for k in live:
+        while len(hull) > 1 and _below(logs, hull[-2], hull[-1], k):
+            hull.pop()
+        hull.append(k)
+    points: list[complex] = [0j] * (hull[0] if hull else degree)
+    for low, high in zip(hull, hull[1:], strict=False):
+        radius = 2.0 ** float(np.clip((logs[low] - logs[high]) / (high - low), -500, 500))
+        angles = 2 * np.pi * np.arange(high - low) / (high - low) + 0.7 * (high + 1)
+        points += list(radius * np.exp(1j * angles))
+    return np.array(points + [np.inf] * (degree - len(points)))
+
+
+def _below(logs: Array, a: int, b: int, c: int) -> bool:
+    return bool((logs[b] - logs[a]) * (c - a) <= (logs[c] - logs[a]) * (b - a))
+
+
+def _iterated(coefficients: ComplexArray, x: ComplexArray, steps: int) -> ComplexArray:
+    degree = x.shape[1]
+    diagonal = np.arange(degree)
+    x = x.copy()
+    with np.errstate(all="ignore"):  # a coincidence of two points gives nan, which is not taken as a step
+        for _ in range(steps):
+            value = np.repeat(coefficients[:, -1:], degree, axis=1)
+            slope = np.zeros_like(value)
+            for k in range(degree - 1, -1, -1):
+                slope = slope * x + value
+                value = value * x + coefficients[:, k : k + 1]
+            differences = x[:, :, None] - x[:, None, :]
+            differences[:, diagonal, diagonal] = np.inf
+            step = value / (slope - value * (1 / differences).sum(axis=2))
+            step = np.where(np.isfinite(step), step, 0)
+            x = x - step
+            if (np.abs(step) <= 4 * UNIT * np.abs(x)).all():
+                break
+    return x
