@@ -15,7 +15,7 @@ is locally constant. What holds on the curves themselves is not said here.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import combinations
 
@@ -55,11 +55,20 @@ def boundary(scheme: Scheme, values: Mapping[str, Fraction], parameter: str) -> 
     The sample settles the signs of wave speeds: the curves hold where these signs do. NotAnalysable where a square root
     of a free parameter remains; what the elimination raises.
     """
-    problem = normal_mode_problem(scheme, values, (parameter, scheme.cfl))
+    problem = _in_z(normal_mode_problem(scheme, values, (parameter, scheme.cfl)))
     if any(generator.root is None for generator in problem.coefficients.generators):
         raise NotAnalysable(f"a square root of {parameter} or {scheme.cfl} remains in the equations")
     found = [*_closure(problem), *_interior(problem), *_poles(scheme, problem.coefficients), *_speeds(problem)]
     return _sorted(_in_plane(problem, parameter, each) for each in found)
+
+
+def _in_z(problem: NormalModeProblem) -> NormalModeProblem:
+    """With exact time the Cayley map z = (1 + s)/(1 - s) puts the half-planes of s in the place of the disk's two sides."""
+    method = problem.resolvent.integrator
+    if method is None or method.kind != "exact":
+        return problem
+    s, z = (problem.coefficients.gens[name] for name in ("s", "z"))
+    return replace(problem, time_map=s * (z + 1) - (z - 1))
 
 
 def _sorted(polynomials: Iterable[fmpz_mpoly]) -> Boundary:
@@ -91,48 +100,46 @@ def _in_plane(problem: NormalModeProblem, parameter: str, polynomial: fmpz_mpoly
 def _closure(problem: NormalModeProblem) -> Iterator[fmpz_mpoly]:
     factors = growth_factors(problem, characteristic_factors(problem).factors)
     yield from boundary_polynomials(problem, factors)
-    loci = _unimodular_loci(problem)
-    for factor in factors:
-        variable = "s" if degree_in(factor, "s") else "z"
-        for locus in loci:
-            if locus != factor and degree_in(locus, variable):
-                yield factor.resultant(locus, variable)
-        if variable == "s" and degree_in(factor, "s") > 1:
-            yield factor.discriminant("s")
+    for locus in _unimodular_loci(problem):
+        for factor in factors:
+            if locus != factor:
+                yield factor.resultant(locus, "z")
 
 
 def _unimodular_loci(problem: NormalModeProblem) -> list[fmpz_mpoly]:
-    """Where a unimodular z (an imaginary s) may have a unimodular spatial root, or two spatial roots that meet.
+    """Where a unimodular z has a unimodular spatial root; of nondissipative factors, where two of these meet.
 
-    At z = 1 and -1 the growth factors have curves of their own. An irreducible locus with a unimodular z over an open set
-    of (p, lam) is its own reciprocal; of the others the Cauchy-stable interior has unimodular pairs on its own curves
-    only.
+    At z = 1 and -1 the growth factors have curves of their own. An irreducible locus that has a unimodular z over an open
+    set of (p, lam) is its own reciprocal; others meet the circle on the interior's curves.
     """
-    found: dict[str, fmpz_mpoly] = {}
+    loci: list[fmpz_mpoly] = []
     for family in problem.families:
         symbol = family.polynomial
         if not degree_in(symbol, "x"):
             continue
         if problem.time_map is not None:
             symbol = symbol.resultant(problem.time_map, "s")
-        semi_discrete = not degree_in(symbol, "z")
-        loci = [symbol.resultant(_turned(reciprocal_in(symbol, ("x",)), semi_discrete), "x")]
-        if degree_in(symbol, "x") > 1:
-            loci.append(symbol.discriminant("x"))
-        for locus in loci:
-            for curve, _ in irreducible_factors(locus) if not locus.is_zero() else ():
-                if curve.total_degree() > 1 and _turned(curve, semi_discrete) in (curve, -curve):
-                    found.setdefault(str(curve), curve)
-    return list(found.values())
+        factors = factored(symbol, problem.coefficients.point(), z="z", kappa="x")
+        neutral = [f for f, _ in factors.powers if reciprocal_in(f, ("z", "x")) in (f, -f)]
+        loci += [f.discriminant("x") for f in neutral if degree_in(f, "x") > 1]
+        loci += [one.resultant(other, "x") for one, other in combinations(neutral, 2) if degree_in(one, "x")]
+        damped = [f for f, _ in factors.powers if f not in neutral]
+        loci += [f.resultant(spot, "x") for spot in _touching(factors) for f in damped]
+    moving = (norm(problem.coefficients.point(), locus) for locus in loci if not locus.is_zero())
+    return [g for g in _irreducible(moving) if g.total_degree() > 1 and reciprocal_in(g, ("z",)) in (g, -g) and degree_in(g, "z")]
 
 
-def _turned(polynomial: fmpz_mpoly, semi_discrete: bool) -> fmpz_mpoly:
-    """The polynomial at 1/z, cleared; at -s for the semi-discrete problem."""
-    if not semi_discrete:
-        return reciprocal_in(polynomial, ("z",))
-    s = polynomial.context().names().index("s")
-    terms = {powers: int(c) * (-1) ** int(powers[s]) for powers, c in polynomial.to_dict().items()}
-    return polynomial.context().from_dict(terms)
+def _touching(factors: Factors) -> Iterator[fmpz_mpoly]:
+    """The unimodular x at which a Cauchy-stable scheme may have a unimodular z over an open set of (p, lam).
+
+    The modulus of z touches 1 there from below: as a function of x + 1/x the resultant of the symbol with its mirror image
+    has a zero of even order, but for x = 1 and -1.
+    """
+    for cut in cuts_of(factors):
+        for spot, order in irreducible_factors(norm(factors.point, cut)) if not cut.is_zero() else ():
+            degree = degree_in(spot, "x")
+            if degree and (order > 1 or spot.total_degree() == 1) and reciprocal_in(spot, ("x",)) in (spot, -spot):
+                yield spot
 
 
 # The interior -------------------------------------------------------------------------------------------------------

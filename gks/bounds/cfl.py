@@ -7,10 +7,12 @@ exact verdict at the algebraic number between them says whether an isolated unst
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Literal
+
+from flint import fmpz_poly
 
 from gks.errors import InputError
 from gks.modes.algebraic import Root
@@ -18,7 +20,7 @@ from gks.modes.analysis import quick_verdict
 from gks.modes.cauchy_set import CauchySet
 from gks.modes.critical import critical_polynomials, positive_roots
 from gks.modes.interior import interior_limits
-from gks.modes.kreiss import normal_mode_problem
+from gks.modes.kreiss import normal_mode_problem, spatial_problem
 from gks.modes.cauchy_set import _between as rationals_between
 from gks.modes.unimodular import by_real_part as ascending
 from gks.modes.verdict import Verdict
@@ -60,12 +62,27 @@ def stable_set(scheme: Scheme, values: Mapping[str, Fraction]) -> StableSet:
     Raises InputError where the scheme is at fault or beyond the exact route.
     """
     sample = {**values, scheme.cfl: values.get(scheme.cfl, Fraction(1))}
-    problem = normal_mode_problem(scheme, sample, (scheme.cfl,))
-    interior = interior_limits(problem)
-    closure = positive_roots(critical_polynomials(problem))
+    interior = interior_limits(spatial_problem(scheme, sample, (scheme.cfl,)))
+    closure = positive_roots(_critical(scheme, sample, interior))
     critical = ascending(_distinct([*_ends(interior), *closure]))
     pieces = [_piece(scheme, values, lam, interior) for lam in rationals_between(critical)]
     return _assembled(scheme, values, critical, pieces, interior)
+
+
+def _critical(scheme: Scheme, sample: Mapping[str, Fraction], interior: Sequence[CauchySet]) -> Iterator[fmpz_poly]:
+    """Critical polynomials of the closure, from one Cauchy-stable lam in each piece that the interior leaves.
+
+    The number of decaying solutions is constant on such a piece, not from one to the next.
+    """
+    seen: set[tuple[int, ...]] = set()
+    for lam in rationals_between(ascending(_distinct(_ends(interior)))):
+        if not all(each.contains(Root.of(lam)) for each in interior):
+            continue
+        problem = normal_mode_problem(scheme, {**sample, scheme.cfl: lam}, (scheme.cfl,))
+        counts = tuple(family.decaying for family in problem.families)
+        if counts not in seen:
+            seen.add(counts)
+            yield from critical_polynomials(problem)
 
 
 def _distinct(roots: Sequence[Root]) -> list[Root]:

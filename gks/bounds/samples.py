@@ -15,7 +15,7 @@ from gks.errors import InputError
 from gks.scheme.expression import Expr
 from gks.scheme.model import Claim, Parameter, Scheme
 
-SPREAD = 16
+SPREAD = 32
 """Values of each open parameter, whatever its range."""
 
 UNBOUNDED_DECADES = 6
@@ -38,27 +38,28 @@ def open_parameters(scheme: Scheme, claim: Claim) -> list[Parameter]:
 
 
 def samples(scheme: Scheme, claim: Claim) -> list[dict[str, Fraction]]:
-    """The parameter values at which a claimed bound is held: one set where nothing is open.
+    """All parameters' values (the CFL number's own default among them) at which a claimed bound is held.
 
-    Several open parameters run together, each through its own values in another order.
+    One set where nothing is open; several open parameters run together, each through its own values in another order.
     """
     free = open_parameters(scheme, claim)
-    fixed = scheme.values(_usable(claim.at), [p.name for p in free if p.default is None])
+    fixed = scheme.values(dict(claim.at), [p.name for p in free])
     if not free:
         return [fixed]
-    spreads = [_spread(parameter) for parameter in free]
-    sets = [{**fixed, **{p.name: p.default for p in free if p.default is not None}}] if all(
-        p.default is not None and inside(p, p.default) for p in free
-    ) else []
+    spreads = {parameter.name: _spread(parameter) for parameter in free}
+    sets = []
     for k in range(SPREAD):
-        # Strides coprime to the 16 places: each parameter meets each of its values once.
-        chosen = {p.name: spread[(k * (2 * j + 1)) % SPREAD] for j, (p, spread) in enumerate(zip(free, spreads, strict=True))}
+        # Odd strides are coprime to the number of values, a power of two: each parameter meets each of its values once.
+        chosen = {name: spread[k * (2 * j + 1) % SPREAD] for j, (name, spread) in enumerate(spreads.items())}
         sets.append({**fixed, **chosen})
+    defaults = {p.name: p.default for p in free if p.default is not None and inside(p, p.default)}
+    if len(defaults) == len(free):
+        sets.append({**fixed, **defaults})
     if len(free) == 1:
-        name = free[0].name
+        (name,) = spreads
         sets.sort(key=lambda values: values[name])
         sets = sorted([*sets, *_switches(claim.bound, sets, name)], key=lambda values: values[name])
-    return sets
+    return [dict(each) for each in dict.fromkeys(tuple(each.items()) for each in sets)]
 
 
 def inside(parameter: Parameter, value: Fraction) -> bool:
@@ -66,35 +67,24 @@ def inside(parameter: Parameter, value: Fraction) -> bool:
     return (parameter.low is None or parameter.low < value) and (parameter.high is None or value < parameter.high)
 
 
-def _usable(at: Mapping[str, Fraction]) -> dict[str, Fraction]:
-    return dict(at)
-
-
 def _spread(parameter: Parameter) -> list[Fraction]:
     """SPREAD values in the open range, evenly spaced in the logarithm on each side of 0."""
     low, high = parameter.low, parameter.high
     centre = abs(parameter.default or Fraction(1))
     if low is not None and low >= 0:
-        return _geometric(low, high, centre, SPREAD, parameter)
+        return _geometric(low, high, centre, SPREAD)
     if high is not None and high <= 0:
-        return [-value for value in _geometric(-high, None if low is None else -low, centre, SPREAD, None)]
-    below = _geometric(Fraction(0), None if low is None else -low, centre, SPREAD // 2, None)
-    return [-value for value in reversed(below)] + _geometric(Fraction(0), high, centre, SPREAD // 2, None)
+        return [-value for value in _geometric(-high, None if low is None else -low, centre, SPREAD)]
+    below = _geometric(Fraction(0), None if low is None else -low, centre, SPREAD // 2)
+    return [-value for value in reversed(below)] + _geometric(Fraction(0), high, centre, SPREAD // 2)
 
 
-def _geometric(
-    low: Fraction, high: Fraction | None, centre: Fraction, count: int, parameter: Parameter | None
-) -> list[Fraction]:
+def _geometric(low: Fraction, high: Fraction | None, centre: Fraction, count: int) -> list[Fraction]:
     """Values of three digits where these lie inside, strictly between the ends, in a constant ratio."""
     far = 10**UNBOUNDED_DECADES
     bottom = low if low > 0 else (min(centre, high) if high is not None else centre) / far
     top = high if high is not None else max(centre, bottom) * far
-    values = []
-    for k in range(count):
-        share = Fraction(2 * k + 1, 2 * count)
-        value = _between(bottom, top, share)
-        values.append(value)
-    return values
+    return [_between(bottom, top, Fraction(2 * k + 1, 2 * count)) for k in range(count)]
 
 
 def _between(bottom: Fraction, top: Fraction, share: Fraction) -> Fraction:

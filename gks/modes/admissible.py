@@ -40,6 +40,8 @@ class Candidate:
     multiplicity: int
     position: Position
     """Of z relative to the unit circle."""
+    on_some_sheet: bool = False
+    """Whether sigma is known to make the determinant vanish for some choice of the spatial roots."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -148,6 +150,3 @@ def _inward(ratio: acb, q: int) -> int | None:
         count += int(branch < 0)
     return count
 
-
-def coordinates(candidate: Candidate, variable: str) -> Mapping[str, Root]:
-    return {variable: candidate.sigma}

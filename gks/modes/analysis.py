@@ -16,15 +16,18 @@ from gks.modes.coefficients import value_ball
 from gks.modes.fibre import VanishesIdentically, fibre, univariate
 from gks.modes.height import zero_exponent
 from gks.modes.interior import interior_stability
-from gks.modes.kreiss import NormalModeProblem, closure_matrix, normal_mode_problem
+from gks.modes.kreiss import NormalModeProblem, closure_matrix, normal_mode_problem, require_square, spatial_problem
 from gks.modes.numerals import midpoint, modulus_of, radius_of
 from gks.modes.polynomial import Degenerate, Elimination, Factor, characteristic_factors
-from gks.modes.rank import exact_rank
+from gks.modes.rank import certain_rank, exact_rank
+from gks.modes.sheets import Choice, only_vanishing
 from gks.modes.solvable import degenerate_closure, determines_next_level, independent_at_sample
 from gks.modes.undecided import Undecided
 from gks.modes.verdict import Mode, ModeKind, ModesResult, Reason, Verdict
 from gks.scheme.model import Scheme
 
+CHEAP_BITS = 256
+"""Precision up to which balls alone are tried; only speed depends on it."""
 OUTPUT_BITS = 80
 """Relative precision of the roots printed: beyond a double's 53 bits by enough to round correctly."""
 
@@ -36,8 +39,10 @@ def analyse(scheme: Scheme, values: Mapping[str, Fraction]) -> ModesResult:
     scheme is beyond this analysis.
     """
     start = perf_counter()
-    problem = normal_mode_problem(scheme, values)
+    problem = spatial_problem(scheme, values)
     interior = interior_stability(problem)
+    if interior is None:
+        require_square(problem)
     solvable = determines_next_level(problem) if interior is None else True
     found, doubts = _modes_beside(interior, problem)
     verdict, reason, because = _judge(interior, solvable, found, doubts)
@@ -116,6 +121,7 @@ def _modes_beside(interior: str | None, problem: NormalModeProblem) -> tuple[lis
     if interior is None:
         return _modes(problem)
     try:
+        require_square(problem)
         return _modes(problem)
     except InputError:
         return [], []
@@ -128,8 +134,9 @@ def _modes(problem: NormalModeProblem, *, inner: bool = True) -> tuple[list[Mode
     """
     modes: list[Mode] = []
     doubts: list[str] = []
-    for factor in eliminated(problem).factors:
-        for candidate in candidates_of(problem, factor):
+    elimination = eliminated(problem)
+    for factor in elimination.factors:
+        for candidate in candidates_of(problem, factor, on_some_sheet=not elimination.lost_sheet):
             if not inner and candidate.position is Position.INSIDE:
                 continue
             try:
@@ -155,20 +162,25 @@ def _modulus_text(problem: NormalModeProblem, candidate: Candidate) -> str:
     return f"{float(modulus_of(_z_ball(problem, candidate))):.15g}"
 
 
-def candidates_of(problem: NormalModeProblem, factor: Factor) -> Iterator[Candidate]:
-    """The points at which a factor vanishes: z itself, or s with every z that the integrator gives it."""
+def candidates_of(problem: NormalModeProblem, factor: Factor, *, on_some_sheet: bool = False) -> Iterator[Candidate]:
+    """The points at which a factor vanishes: z itself, or s with every z that the integrator gives it.
+
+    ``on_some_sheet`` says that the norm the factor comes from has lost no sheet.
+    """
     for sigma in isolated_roots(univariate(factor.polynomial, problem.variable), is_square_free=True):
         if problem.variable == "z":
-            yield Candidate(sigma, sigma, factor.multiplicity, sigma.position)
+            yield Candidate(sigma, sigma, factor.multiplicity, sigma.position, on_some_sheet)
         elif problem.time_map is None:
-            yield Candidate(sigma, None, factor.multiplicity, _POSITION[sigma.side])
+            yield Candidate(sigma, None, factor.multiplicity, _POSITION[sigma.side], on_some_sheet)
         else:
             try:
                 images = fibre({**problem.coefficients.point(), "s": sigma}, problem.time_map, "z")
             except VanishesIdentically:
                 continue
             for image in images:
-                yield Candidate(sigma, image.root, factor.multiplicity * image.multiplicity, image.position)
+                yield Candidate(
+                    sigma, image.root, factor.multiplicity * image.multiplicity, image.position, on_some_sheet
+                )
 
 
 _POSITION = {Side.LEFT: Position.INSIDE, Side.AXIS: Position.ON, Side.RIGHT: Position.OUTSIDE}
@@ -230,7 +242,26 @@ def _columns(space: _Space) -> int:
 
 
 def _has_kernel(problem: NormalModeProblem, candidate: Candidate, space: _Space) -> bool:
-    return _columns(space) > _rank(problem, candidate, space)
+    """Whether the closure annihilates an admissible solution, by the cheapest proof.
+
+    Balls that leave no doubt; else, where the admissible solutions are one of the choices that the norm runs over, that no
+    other choice vanishes; else the exact rank with its bound on algebraic numbers.
+    """
+    columns = _columns(space)
+    roots = [space.roots(k) for k in range(len(problem.blocks))]
+    point = point_of(problem, candidate)
+    certain = certain_rank(lambda bits: closure_matrix(problem, point, roots, bits), CHEAP_BITS)
+    if certain is not None:
+        return columns > certain
+    if columns == problem.size and only_vanishing(problem, candidate, _choice(problem, space)):
+        return True
+    return columns > _rank(problem, candidate, space)
+
+
+def _choice(problem: NormalModeProblem, space: _Space) -> Choice:
+    """The nonzero roots of each family, as its first block has them."""
+    blocks = [next(k for k, b in enumerate(problem.blocks) if b.family == f) for f in range(len(problem.families))]
+    return tuple(space.roots(k)[problem.blocks[k].zeros :] for k in blocks)
 
 
 def _kernel_decays(problem: NormalModeProblem, candidate: Candidate, space: _Space) -> bool:

@@ -21,9 +21,9 @@ from fractions import Fraction
 
 import numpy as np
 
-from gks.modes.discs import ComplexArray, Discs, linear_combination, powers
+from gks.modes.discs import ComplexArray, Discs, Jets, joined, linear_combination, powers
 from gks.modes.kreiss import NormalModeProblem
-from gks.modes.rootdiscs import approximate, root_discs
+from gks.modes.rootdiscs import approximate, branches, root_discs
 from gks.scheme.integrators import Integrator
 
 
@@ -47,35 +47,32 @@ class Chart:
 
         From a ``start`` nearby they come in its order.
         """
-        if self.method is None or not self._runge_kutta:
+        if not self._runge_kutta:
             return np.empty((len(node), 0), complex)
-        return approximate(self._over(Discs.exact(node)).mid, start)
+        return approximate(self._over(Jets.exact(node)).value.mid, start)
 
-    def images(self, w: Discs, stages: ComplexArray) -> list[tuple[Discs, Discs]]:
-        """For each branch the pair (a, b) over discs w (N,); ``stages`` belong to a point of each disc."""
-        one = Discs.exact(np.ones(w.mid.shape, complex))
+    def images(self, w: Jets, stages: ComplexArray) -> tuple[Jets, Jets]:
+        """The pair (a, b) over discs w (N,), all branches one after the other; ``stages`` belong to points of the discs."""
+        one = Jets.exact(np.ones(w.value.mid.shape, complex))
         if self.method is None:
-            return [(one, w)]
+            return one, w
         if self.method.kind == "exact":
-            return [(one + w, one - w)]
+            return one + w, one - w
         if self.method.kind == "multistep":
-            steps = self.method.steps
-            table = powers(w, steps + 1)[::-1]
-            return [(_polynomial(self.method.rho, table), _polynomial(self.method.sigma, table))]
-        found = root_discs(self._over(w), stages)
-        pairs = []
-        for k in range(self.branches):
-            mu = Discs(found.centre[:, k], found.cover[:, k])
-            scale = (mu + one).reciprocal()
-            pairs.append((mu * scale, scale))
-        return pairs
+            table = powers(w, self.method.steps + 1)[::-1]
+            return _polynomial(self.method.rho, table), _polynomial(self.method.sigma, table)
+        coefficients = self._over(w)
+        found = branches(coefficients, root_discs(coefficients.value, stages))
+        mu = found.apply(lambda each: each.T.ravel())
+        scale = (mu + Jets.exact(np.ones(mu.value.mid.shape, complex))).reciprocal()
+        return mu * scale, scale
 
-    def _over(self, w: Discs) -> Discs:
+    def _over(self, w: Jets) -> Jets:
         """The coefficients of w R(mu) - 1, ascending: (N, branches + 1)."""
         assert self.method is not None
-        table = [_constant(c, w) * w for c in self.method.stability]
-        table[0] = table[0] - Discs.exact(np.ones(w.mid.shape, complex))
-        return Discs(np.stack([c.mid for c in table], 1), np.stack([c.rad for c in table], 1))
+        table = [w.scaled(constant_of(c)) for c in self.method.stability]
+        table[0] = table[0] - Jets.exact(np.ones(w.value.mid.shape, complex))
+        return joined(table, lambda parts: np.stack(parts, 1))
 
     def values(self, w: complex) -> list[complex]:
         """The values of lam*s (or z) at one w other than 0."""
@@ -96,16 +93,15 @@ def chart_of(problem: NormalModeProblem) -> Chart:
     return Chart(problem.resolvent.integrator if problem.variable == "s" else None)
 
 
-def _constant(value: Fraction, like: Discs) -> Discs:
-    """A rational as a disc of radius one rounding."""
-    mid = np.full(like.mid.shape, complex(float(value)))
+def constant_of(value: Fraction) -> Discs:
+    """A rational as a disc of shape (), as wide as one rounding."""
+    mid = np.asarray(complex(float(value)))
     return Discs(mid, np.abs(mid) * 2.0**-52)
 
 
-def _polynomial(coefficients: Sequence[Fraction], table: list[Discs]) -> Discs:
+def _polynomial(coefficients: Sequence[Fraction], table: list[Jets]) -> Jets:
     """sum_i coefficients[i] table[i]."""
-    used = table[: len(coefficients)]
-    return linear_combination([_constant(c, table[0]) for c in coefficients], used)
+    return linear_combination([constant_of(c) for c in coefficients], table[: len(coefficients)])
 
 
 def _at(coefficients: Sequence[Fraction], z: complex) -> complex:

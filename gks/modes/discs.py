@@ -8,7 +8,9 @@ nan, and every comparison with it fails: such a disc proves nothing.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any, TypeVar
 
 import numpy as np
 from flint import acb
@@ -71,9 +73,13 @@ class Discs:
         """At most the modulus of every member."""
         return np.maximum(np.abs(self.mid) * (2 - UP) - self.rad * UP, 0.0)
 
-    def take(self, index: NDArray[np.intp]) -> Discs:
-        """The discs at the places given, along the first axis."""
-        return Discs(self.mid[index], self.rad[index])
+    def scaled(self, factor: Discs) -> Discs:
+        """The product by a constant."""
+        return factor * self
+
+    def apply(self, change: Callable[[NDArray[Any]], NDArray[Any]]) -> Discs:
+        """Moves entries about, the same way in both arrays."""
+        return Discs(change(self.mid), change(self.rad))
 
 
 def constant(value: acb) -> Discs:
@@ -83,17 +89,73 @@ def constant(value: acb) -> Discs:
     return Discs(np.asarray(mid, complex), np.asarray(rad, float))
 
 
-def powers(base: Discs, count: int) -> list[Discs]:
+@dataclass(frozen=True, slots=True)
+class Jets:
+    """A function of w over a disc of w: ``value`` encloses its values, ``slope`` those of its derivative."""
+
+    value: Discs
+    slope: Discs
+
+    @staticmethod
+    def exact(values: ComplexArray) -> Jets:
+        """Constants."""
+        return Jets(Discs.exact(values), Discs.exact(np.zeros(values.shape, complex)))
+
+    def __add__(self, other: Jets) -> Jets:
+        return Jets(self.value + other.value, self.slope + other.slope)
+
+    def __neg__(self) -> Jets:
+        return Jets(-self.value, -self.slope)
+
+    def __sub__(self, other: Jets) -> Jets:
+        return self + -other
+
+    def __mul__(self, other: Jets) -> Jets:
+        return Jets(self.value * other.value, self.slope * other.value + self.value * other.slope)
+
+    def scaled(self, factor: Discs) -> Jets:
+        """The product by a constant."""
+        return Jets(factor * self.value, factor * self.slope)
+
+    def reciprocal(self) -> Jets:
+        """1/f; infinite where f may vanish."""
+        inverse = self.value.reciprocal()
+        return Jets(inverse, -(self.slope * inverse * inverse))
+
+    def apply(self, change: Callable[[NDArray[Any]], NDArray[Any]]) -> Jets:
+        """Moves entries about, the same way in all arrays."""
+        return Jets(self.value.apply(change), self.slope.apply(change))
+
+
+Ring = TypeVar("Ring", Discs, Jets)
+
+
+def powers(base: Ring, count: int) -> list[Ring]:
     """base**0, ..., base**(count - 1)."""
-    found = [Discs.exact(np.ones(base.mid.shape, complex))]
+    found = [_one(base)]
     while len(found) < count:
         found.append(found[-1] * base)
     return found[:count]
 
 
-def linear_combination(weights: list[Discs], terms: list[Discs]) -> Discs:
-    """sum_k weights[k] terms[k]; weights may be of shape ()."""
-    total = weights[0] * terms[0]
+def linear_combination(weights: Sequence[Discs], terms: Sequence[Ring]) -> Ring:
+    """sum_k weights[k] terms[k] for constant weights."""
+    total = terms[0].scaled(weights[0])
     for weight, term in zip(weights[1:], terms[1:], strict=True):
-        total = total + weight * term
+        total = total + term.scaled(weight)
     return total
+
+
+def joined(parts: Sequence[Ring], gather: Callable[[Sequence[NDArray[Any]]], NDArray[Any]]) -> Ring:
+    """One object of several, by ``gather`` (np.stack or np.concatenate along some axis) on their arrays."""
+    first = parts[0]
+    if isinstance(first, Discs):
+        return Discs(gather([p.mid for p in parts]), gather([p.rad for p in parts]))  # type: ignore[union-attr]
+    values, slopes = [p.value for p in parts], [p.slope for p in parts]  # type: ignore[union-attr]
+    return Jets(joined(values, gather), joined(slopes, gather))
+
+
+def _one(like: Ring) -> Ring:
+    if isinstance(like, Discs):
+        return Discs.exact(np.ones(like.mid.shape, complex))
+    return Jets.exact(np.ones(like.value.mid.shape, complex))

@@ -114,6 +114,15 @@ def normal_mode_problem(
     Raises SchemeError where decaying solutions and closure equations differ in number, NotAnalysable and
     ParameterError as the characteristic decomposition does.
     """
+    problem = spatial_problem(scheme, values, symbols)
+    require_square(problem)
+    return problem
+
+
+def spatial_problem(
+    scheme: Scheme, values: Mapping[str, Fraction | Root], symbols: Sequence[str] = ()
+) -> NormalModeProblem:
+    """The same without the count of decaying solutions, which means nothing where the interior is not Cauchy-stable."""
     coefficients = Coefficients(values, tuple(symbols))
     resolvent = resolvent_of(scheme, coefficients)
     lowest = {half_line.name: _lowest(scheme, half_line) for half_line in scheme.domains}
@@ -128,21 +137,28 @@ def normal_mode_problem(
         for form in (e.form for e in scheme.closure.equations)
     ]
     rows += _unread(scheme, lowest, blocks, coefficients)
-    columns = sum(block.width for block in blocks)
-    if columns != len(rows):
-        spare = len(rows) - len(scheme.closure.equations)
-        raise SchemeError(
-            f"the interior scheme has {columns - spare} decaying solutions for abs(z) > 1 "
-            f"and the closure gives {len(scheme.closure.equations)} equations",
-            where=Where(scheme.path or scheme.name),
-            expected="one closure equation for each decaying solution",
-            mend="move `first` or rewrite the interior so that each equation is centred on the cell it updates",
-        )
     time_map = None
     if resolvent.integrator is not None and resolvent.integrator.kind != "exact":
         time_map = characteristic(resolvent.integrator, coefficients, scheme.cfl)
     return NormalModeProblem(
         scheme, coefficients, resolvent, tuple(families), tuple(blocks), tuple(rows), lowest, time_map
+    )
+
+
+def require_square(problem: NormalModeProblem) -> None:
+    """SchemeError where the closure does not have one equation for each decaying solution."""
+    scheme = problem.scheme
+    columns = sum(block.width for block in problem.blocks)
+    if columns == problem.size:
+        return
+    given = len(scheme.closure.equations)
+    raise SchemeError(
+        f"the interior scheme has {columns - (problem.size - given)} decaying solutions for abs(z) > 1 "
+        f"and the closure gives {given} equations",
+        where=Where(scheme.path or scheme.name),
+        path="closure.equations",
+        expected="one closure equation for each decaying solution",
+        mend="move `first` or rewrite the interior so that each equation is centred on the cell it updates",
     )
 
 

@@ -18,8 +18,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from gks.modes.chart import Chart
-from gks.modes.discs import PRODUCT, UNIT, UP, Array, ComplexArray, Discs, linear_combination, powers
-from gks.modes.rootdiscs import Mask, RootDiscs, approximate, root_discs
+from gks.modes.discs import PRODUCT, UNIT, UP, Array, ComplexArray, Discs, Jets, Ring, joined, linear_combination, powers
+from gks.modes.rootdiscs import Mask, RootDiscs, approximate, branches, root_discs
 from gks.modes.tables import Polynomial, SymbolTable, Tables
 
 
@@ -28,13 +28,19 @@ class Start:
     """Where root finding starts at the points of a batch: roots mu of the integrator, and spatial roots of each family."""
 
     stages: ComplexArray
+    """(N, branches), without columns where the chart needs none."""
     spatial: tuple[ComplexArray, ...]
+    """(N, branches, n) of every family, the decaying roots first."""
 
-    def take(self, index: np.ndarray) -> Start:  # type: ignore[type-arg]
-        branches = max(self.stages.shape[1], 1)
-        points = len(self.stages)
-        every = np.concatenate([index + k * points for k in range(branches)])
-        return Start(self.stages[index], tuple(x[every] for x in self.spatial))
+    def take(self, index: Index) -> Start:
+        """The points at the places given."""
+        return Start(self.stages[index], tuple(x[index] for x in self.spatial))
+
+    @staticmethod
+    def join(parts: Sequence[Start]) -> Start:
+        """Several batches as one."""
+        spatial = (np.concatenate(each) for each in zip(*(p.spatial for p in parts), strict=True))
+        return Start(np.concatenate([p.stages for p in parts]), tuple(spatial))
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,67 +57,83 @@ class Patch:
     relative: Array
     start: Start
 
+    def take(self, index: Index) -> Patch:
+        """The points at the places given."""
+        parts = (each[index] for each in (self.phase, self.log, self.change, self.relative))
+        return Patch(*parts, self.start.take(index))
+
+    @staticmethod
+    def join(parts: Sequence[Patch]) -> Patch:
+        """Several batches as one."""
+        phase, log, change, relative = (
+            np.concatenate([getattr(p, name) for p in parts]) for name in ("phase", "log", "change", "relative")
+        )
+        return Patch(phase, log, change, relative, Start.join([p.start for p in parts]))
+
+
+@dataclass(frozen=True, slots=True)
+class Region:
+    """Which roots continue the decaying ones throughout a disc of w that reaches across the unit circle.
+
+    For every branch of the chart and every family discs (branches, d) that hold them and nothing else; the branches
+    themselves in discs (branches,).
+    """
+
+    stages: Discs
+    decaying: tuple[Discs, ...]
+
 
 def patch(tables: Tables, chart: Chart, disc: Discs, node: ComplexArray, start: Start | None = None) -> Patch:
     """Delta over discs of w (N,), each with a node in it that has abs(node) < 1."""
-    points = len(node)
     stages = chart.stages(node, None if start is None else start.stages)
-    over = _joined(chart.images(disc, stages))
-    at = _joined(chart.images(Discs.exact(node), stages))
-    spatial, covers = [], []
-    valid = np.ones(points * chart.branches, bool)
+    over = chart.images(Jets(disc, Discs.exact(np.ones(node.shape, complex))), stages)
+    at = chart.images(Jets.exact(node), stages)
+    here = (at[0].value, at[1].value)
+    spatial: list[ComplexArray] = []
+    roots: list[Jets] = []
+    valid = np.ones(len(node) * chart.branches, bool)
     for k, symbol in enumerate(tables.symbols):
-        exact = _symbol(symbol, at)
+        exact = _symbol(symbol, here)
         centre = approximate(exact.mid, None if start is None else start.spatial[k])
         order, certain = _decaying(root_discs(exact, centre), symbol.decaying)
-        centre = np.take_along_axis(centre, order, axis=1)
-        cover = root_discs(_symbol(symbol, over), centre).cover[:, : symbol.decaying]
         valid &= certain
-        spatial.append(centre)
-        covers.append(Discs(centre[:, : symbol.decaying], cover))
-    nodes = [Discs.exact(each.mid) for each in covers]
-    phase, log, change, relative = _determinant(_matrix(tables, nodes, at), _matrix(tables, covers, over))
-    change = np.where(valid, change, np.inf).reshape(chart.branches, points)
+        spatial.append(np.take_along_axis(centre, order, axis=1))
+        coefficients = _symbol(symbol, over)
+        found = branches(coefficients, root_discs(coefficients.value, spatial[k]))
+        roots.append(found.apply(lambda each, count=symbol.decaying: each[:, :count]))  # type: ignore[misc]
+    nodes = [Discs.exact(x[:, : symbol.decaying]) for x, symbol in zip(spatial, tables.symbols, strict=True)]
+    reach = (np.abs(disc.mid - node) * UP + disc.rad) * UP
+    reach = np.tile(reach, chart.branches)
+    phase, log, relative, change = _determinant(_matrix(tables, nodes, here), _matrix(tables, roots, over), reach)
+    shape = (chart.branches, len(node))
     with np.errstate(over="ignore"):
-        total = np.prod(1 + change, axis=0) * (1 + PRODUCT * chart.branches) - 1
+        factors = 1 + np.where(valid, change, np.inf).reshape(shape)
+        total = factors.prod(axis=0) * (1 + PRODUCT * chart.branches) - 1
     return Patch(
-        phase.reshape(chart.branches, points).sum(axis=0),
-        log.reshape(chart.branches, points).sum(axis=0),
+        phase.reshape(shape).sum(axis=0),
+        log.reshape(shape).sum(axis=0),
         total,
-        relative.reshape(chart.branches, points).min(axis=0),
+        relative.reshape(shape).min(axis=0),
         Start(stages, tuple(spatial)),
     )
 
 
-Pair = tuple[Discs, Discs]
-
-
-def _joined(pairs: Sequence[Pair]) -> Pair:
-    """All branches one after the other."""
-
-    def join(parts: Sequence[Discs]) -> Discs:
-        return Discs(np.concatenate([p.mid for p in parts]), np.concatenate([p.rad for p in parts]))
-
-    return join([a for a, _ in pairs]), join([b for _, b in pairs])
-
-
-def homogeneous(pair: Pair, degree: int) -> list[Discs]:
+def homogeneous(pair: tuple[Ring, Ring], degree: int) -> list[Ring]:
     """a**k b**(degree - k) for every k."""
     a, b = (powers(each, degree + 1) for each in pair)
     return [a[k] * b[degree - k] for k in range(degree + 1)]
 
 
-def _evaluated(polynomial: Polynomial, basis: Sequence[Discs]) -> Discs:
+def _evaluated(polynomial: Polynomial, basis: Sequence[Ring]) -> Ring:
     if not polynomial:
-        return Discs.exact(np.zeros(basis[0].mid.shape, complex))
+        return linear_combination([Discs.exact(np.asarray(0j))], basis[:1])
     return linear_combination(list(polynomial.values()), [basis[power] for power in polynomial])
 
 
-def _symbol(symbol: SymbolTable, pair: Pair) -> Discs:
+def _symbol(symbol: SymbolTable, pair: tuple[Ring, Ring]) -> Ring:
     """The coefficients of P in x, ascending: (N, n + 1)."""
     basis = homogeneous(pair, symbol.degree)
-    values = [_evaluated(each, basis) for each in symbol.powers]
-    return Discs(np.stack([v.mid for v in values], 1), np.stack([v.rad for v in values], 1))
+    return joined([_evaluated(each, basis) for each in symbol.powers], lambda parts: np.stack(parts, 1))
 
 
 def _decaying(found: RootDiscs, count: int) -> tuple[np.ndarray, Mask]:  # type: ignore[type-arg]
@@ -124,53 +146,44 @@ def _decaying(found: RootDiscs, count: int) -> tuple[np.ndarray, Mask]:  # type:
     return order, (inside == count) & (outside == found.centre.shape[1] - count)
 
 
-def _matrix(tables: Tables, roots: Sequence[Discs], pair: Pair) -> Discs:
+def _matrix(tables: Tables, roots: Sequence[Ring], pair: tuple[Ring, Ring]) -> Ring:
     """The Kreiss matrix (N, m, m) in the Newton basis; ``roots`` of every family (N, decaying)."""
-    points, size = len(pair[0].mid), tables.size
-    mid, rad = np.zeros((points, size, size), complex), np.zeros((points, size, size))
     bases = [homogeneous(pair, row.degree) for row in tables.rows]
-    place = 0
+    blocks = []
     for k, (family, zeros) in enumerate(tables.blocks):
-        count = 1 + max((e.n for row in tables.rows for e in row.entries if e.block == k), default=-1)
-        columns = newton_discs(roots[family], max(count - zeros, 0))
-        for i, (row, basis) in enumerate(zip(tables.rows, bases, strict=True)):
+        count = 1 + max((e.n for row in tables.rows for e in row.entries if e.block == k), default=0)
+        columns = newton_basis(roots[family].apply(lambda x, zeros=zeros: np.pad(x, ((0, 0), (zeros, 0)))), count)  # type: ignore[misc]
+        lines = []
+        for row, basis in zip(tables.rows, bases, strict=True):
+            line = linear_combination([Discs.exact(np.asarray(0j))], columns[:1])
             for entry in row.entries:
-                if entry.block != k:
-                    continue
-                weight = _evaluated(entry.coefficient, basis)
-                if entry.n < zeros:
-                    mid[:, i, place + entry.n] += weight.mid
-                    rad[:, i, place + entry.n] += weight.rad + 2 * UNIT * np.abs(mid[:, i, place + entry.n])
-                    continue
-                product = Discs(weight.mid[:, None], weight.rad[:, None]) * columns[entry.n - zeros]
-                last = slice(place + zeros, place + zeros + product.mid.shape[1])
-                mid[:, i, last] += product.mid
-                rad[:, i, last] = (rad[:, i, last] + product.rad + 2 * UNIT * np.abs(mid[:, i, last])) * UP
-        place += zeros + roots[family].mid.shape[1]
-    return Discs(mid, rad)
+                if entry.block == k:
+                    weight = _evaluated(entry.coefficient, basis).apply(lambda x: x[:, None])
+                    line = line + weight * columns[entry.n]
+            lines.append(line)
+        blocks.append(joined(lines, lambda parts: np.stack(parts, 1)))
+    return joined(blocks, lambda parts: np.concatenate(parts, 2))
 
 
-def newton_discs(roots: Discs, count: int) -> list[Discs]:
+def newton_basis(roots: Ring, count: int) -> list[Ring]:
     """For n < count the divided differences [x_1, ..., x_j] x**n, j = 1, ..., d: each (N, d).
 
     By c_j[n] = c_{j-1}[n-1] + x_j c_j[n-1], as in `gks.modes.kreiss.newton_columns`.
     """
-    points, width = roots.mid.shape
-    first = np.zeros((points, width), complex)
-    if width:
-        first[:, 0] = 1
-    rows = [Discs.exact(first)]
+    first = (roots.mid if isinstance(roots, Discs) else roots.value.mid) * 0
+    first[:, :1] = 1
+    rows: list[Ring] = [type(roots).exact(first)]
     while len(rows) < count:
-        last = rows[-1]
-        shifted = Discs(np.roll(last.mid, 1, axis=1), np.roll(last.rad, 1, axis=1))
-        if width:
-            shifted.mid[:, 0], shifted.rad[:, 0] = 0, 0
-        rows.append(shifted + roots * last)
+        shifted = rows[-1].apply(lambda x: np.pad(x[:, :-1], ((0, 0), (1, 0))))
+        rows.append(shifted + roots * rows[-1])
     return rows[:count]
 
 
-def _determinant(node: Discs, over: Discs) -> tuple[Array, Array, Array, Array]:
-    """Phase and logarithm of det at the nodes, the bound of its relative change over the discs, and its relative size."""
+def _determinant(node: Discs, over: Jets, reach: Array) -> tuple[Array, Array, Array, Array]:
+    """Phase, logarithm and relative size of det at the nodes, and the bound of its relative change over the discs.
+
+    The change of R M over a disc is bounded by its slope where that is finite, else by the values.
+    """
     size = node.mid.shape[1]
     rows = _powers_of_two(node.upper().max(axis=2, initial=0.0))[:, :, None]
     matrix = node.mid * rows
@@ -181,20 +194,29 @@ def _determinant(node: Discs, over: Discs) -> tuple[Array, Array, Array, Array]:
     sign, log = np.linalg.slogdet(matrix)
     finite &= sign != 0
     inverse = np.linalg.inv(np.where(finite[:, None, None], matrix, np.eye(size)))
+    weight = np.abs(inverse)
     with np.errstate(all="ignore"):  # infinite discs give nan, which proves nothing
-        mid, rad = over.mid * rows * columns, over.rad * rows * columns
-        product = inverse @ mid
-        weight = np.abs(inverse)
-        # A product of two m x m matrices in any order of summation: (m + 4) u per unit of abs(R) abs(M).
-        rounding = (size + 4) * 4 * UNIT * (weight @ np.abs(mid))
-        spread = np.abs(product - np.eye(size)) + rounding + weight @ rad * UP
-        sums = spread.sum(axis=2) * (1 + size * PRODUCT)
+        scale = rows * columns
+        near = _spread(inverse, weight, Discs(matrix, node.rad * scale), np.eye(size))
+        first = near + _spread(inverse, weight, over.slope.apply(lambda x: x * scale), 0) * reach[:, None]
+        plain = _spread(inverse, weight, over.value.apply(lambda x: x * scale), np.eye(size))
+        sums = np.fmin(first, plain)
         change = np.prod(1 + sums, axis=1) * (1 + size * PRODUCT) - 1
         lengths = np.sqrt((np.abs(matrix) ** 2).sum(axis=2)).prod(axis=1)
         relative = np.where(finite, np.exp(log) / lengths, 0.0)
     change = np.where(finite & np.isfinite(change), change, np.inf)
     scales = np.log(rows[:, :, 0]).sum(axis=1) + np.log(columns[:, 0, :]).sum(axis=1)
-    return np.where(finite, np.angle(sign), 0.0), np.where(finite, log - scales, -np.inf), change, relative
+    return np.where(finite, np.angle(sign), 0.0), np.where(finite, log - scales, -np.inf), relative, change
+
+
+def _spread(inverse: ComplexArray, weight: Array, matrix: Discs, less: Array | int) -> Array:
+    """Bounds of the row sums of abs(R M - less) for M in the discs."""
+    size = inverse.shape[1]
+    # A product of two m x m matrices in any order of summation is off by at most (m + 4) u abs(R) abs(M), times 2 sqrt(2)
+    # for complex entries.
+    rounding = (size + 4) * 4 * UNIT * (weight @ np.abs(matrix.mid))
+    spread = np.abs(inverse @ matrix.mid - less) + rounding + weight @ matrix.rad * (1 + (size + 4) * PRODUCT)
+    return np.asarray(spread.sum(axis=2) * (1 + size * PRODUCT))
 
 
 def _powers_of_two(size: Array) -> Array:

@@ -20,6 +20,18 @@ RANK_BITS = 1 << 16
 """Precision beyond which a zero test is given up: a few seconds for the small matrices met here."""
 
 
+def certain_rank(matrix_at: Callable[[int], Matrix], most: int) -> int | None:
+    """The rank where pivots that ``most`` bits keep away from 0 use up all rows or columns; None where some are left."""
+    bits = START_BITS
+    while bits <= most:
+        with ctx.workprec(bits + GUARD_BITS):
+            rank, rest = _eliminate(matrix_at(bits))
+        if rest is None:
+            return rank
+        bits *= 2
+    return None
+
+
 def exact_rank(matrix_at: Callable[[int], Matrix], zero_exponent: Callable[[], float]) -> int:
     """The rank of the matrix that ``matrix_at(bits)`` encloses ever more sharply; Undecided beyond RANK_BITS."""
     bits = START_BITS

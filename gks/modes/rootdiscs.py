@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from gks.modes.discs import PRODUCT, UNIT, UP, Array, ComplexArray, Discs
+from gks.modes.discs import PRODUCT, UNIT, UP, Array, ComplexArray, Discs, Jets
 
 Mask = NDArray[np.bool_]
 
@@ -69,6 +69,41 @@ def root_discs(coefficients: Discs, centre: ComplexArray) -> RootDiscs:
         gap[:, np.arange(degree), np.arange(degree)] = 0.0
         reach = np.where(joined, gap * (1 + 4 * PRODUCT) + radius[:, None, :], 0.0)
     return RootDiscs(centre, reach.max(axis=2) * UP, joined)
+
+
+def branches(coefficients: Jets, found: RootDiscs) -> Jets:
+    """The roots as functions of w, given polynomials in x whose coefficients (N, n+1) are: (N, n).
+
+    A simple root x(w) that stays in a disc X has x = c - p(c)/q with q in p_x(X), X being convex, and the derivative
+    -p_w(x)/p_x(x). Where roots are not kept apart, or p_x may vanish, the value is the cover and the slope infinite.
+    """
+    alone = found.joined.sum(axis=2) == 1
+    cover = Discs(found.centre, found.cover)
+    with np.errstate(all="ignore"):  # an infinite cover makes everything infinite or nan
+        inverse = _horner(_derivative(coefficients.value), cover).reciprocal()
+        centre = Discs.exact(found.centre)
+        value = centre - _horner(coefficients.value, centre) * inverse
+        better = alone & (value.rad < found.cover)
+        value = Discs(np.where(better, value.mid, found.centre), np.where(better, value.rad, found.cover))
+        slope = -(_horner(coefficients.slope, value) * _horner(_derivative(coefficients.value), value).reciprocal())
+    proved = alone & np.isfinite(slope.mid) & np.isfinite(slope.rad)
+    return Jets(value, Discs(np.where(proved, slope.mid, 0), np.where(proved, slope.rad, np.inf)))
+
+
+def _derivative(coefficients: Discs) -> Discs:
+    degrees = np.arange(1, coefficients.mid.shape[1])
+    return Discs(coefficients.mid[:, 1:] * degrees, coefficients.rad[:, 1:] * degrees * UP) + Discs(
+        np.zeros_like(coefficients.mid[:, 1:]), np.zeros_like(coefficients.rad[:, 1:])
+    )
+
+
+def _horner(coefficients: Discs, x: Discs) -> Discs:
+    """sum_k coefficients[:, k] x**k for x (N, n)."""
+    degree = coefficients.mid.shape[1] - 1
+    value = coefficients.apply(lambda each: np.repeat(each[:, -1:], x.mid.shape[1], axis=1))
+    for k in range(degree - 1, -1, -1):
+        value = value * x + Discs(coefficients.mid[:, k : k + 1], coefficients.rad[:, k : k + 1])
+    return value
 
 
 def _closure(joined: Mask) -> Mask:

@@ -141,6 +141,7 @@ class _Scanner:
         self.expect("]]" if double else "]")
         path: Path = ()
         for part in parts[:-1]:
+            self.positions.keys.setdefault((*path, part), offset)
             path = self.latest((*path, part))
         path = (*path, parts[-1])
         if double:

@@ -91,7 +91,7 @@ class _Expanded:
     Poly = dict[tuple[int, int], Fraction]
 
     def number(self, value: Fraction) -> tuple[Poly, Poly]:
-        return {(0, 0): Fraction(value.numerator)}, {(0, 0): Fraction(value.denominator)}
+        return {(0, 0): Fraction(value.numerator)} if value else {}, {(0, 0): Fraction(value.denominator)}
 
     def symbol(self, name: str) -> tuple[Poly, Poly]:
         return {(1, 0) if name == "alpha" else (0, 1): Fraction(1)}, {(0, 0): Fraction(1)}

@@ -1,0 +1,409 @@
+"""The parameter axis cut into cells in which the stable set of a scheme has one description.
+
+The boundary curves of ``boundary`` are, over an open interval of p in which none of them meets another or itself, lam = 0
+or lam = infinity, graphs of continuous functions that keep their order: the k-th positive root in lam. Between
+neighbouring graphs the verdict is constant. So one exact stable set at a rational p describes the whole cell, each of its
+ends being the k-th positive root of one curve.
+
+*On a cut* p0 that no curve contains, every (p0, lam) off the curves has a neighbourhood of one verdict, so that the stable
+set is the limit of those of either side, up to finitely many lam. These are the points where curves meet; only a meeting
+point between two stable stretches is of interest, and there an exact verdict decides. On a wall (a curve p = p0) nothing
+follows from the sides: an exact stable set decides.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from itertools import combinations, pairwise
+
+from flint import arb, ctx, fmpq, fmpz_mpoly, fmpz_poly
+
+from gks.bounds.boundary import PLANE, Boundary, boundary, curve_at, in_parameter
+from gks.bounds.cfl import Limit, StableSet, stable_set
+from gks.bounds.meeting import meeting_points
+from gks.errors import GksError, InputError
+from gks.modes.algebraic import GUARD_BITS, START_BITS, Root, isolated_roots, primitive
+from gks.modes.analysis import quick_verdict
+from gks.modes.cauchy import degree_in
+from gks.modes.critical import positive_roots
+from gks.modes.fibre import at_balls, fibre, specialise, univariate
+from gks.modes.interior import interior_stability
+from gks.modes.kreiss import normal_mode_problem
+from gks.modes.unimodular import by_real_part, rational_ends, simplest_between
+from gks.modes.verdict import Verdict
+from gks.scheme.model import Scheme
+
+Report = Callable[[str], None]
+"""Told the stage reached, for whoever waits."""
+
+MEETING_BITS = 1 << 13
+"""Precision at which telling a meeting point from its neighbours is given up."""
+
+
+class NotProved(GksError):
+    """The theorem stays open; the message says why."""
+
+
+@dataclass(frozen=True, slots=True)
+class Branch:
+    """lam as a function of p: the k-th positive root, from 1, of a curve."""
+
+    curve: int
+    k: int
+
+
+End = Branch | Root | None
+"""An end of a stable interval: a branch over a cell, a number on a cut; None is 0 below and infinity above."""
+
+
+@dataclass(frozen=True, slots=True)
+class Span:
+    low: End
+    high: End
+
+
+@dataclass(frozen=True, slots=True)
+class Cell:
+    """An open interval of p (None: the end of the domain), its rational sample, and the stable intervals over it."""
+
+    low: Root | None
+    high: Root | None
+    sample: Fraction
+    spans: tuple[Span, ...]
+    limited_by: Limit | None
+    at_bound: Verdict | None
+
+
+@dataclass(frozen=True, slots=True)
+class Cut:
+    """A point between two cells. ``spans`` None: the stable set is the common limit of both sides."""
+
+    root: Root
+    spans: tuple[Span, ...] | None
+    at_bound: Verdict | None
+
+
+@dataclass(frozen=True, slots=True)
+class Decomposition:
+    """``len(cells) == len(cuts) + 1``, ascending."""
+
+    boundary: Boundary
+    cells: tuple[Cell, ...]
+    cuts: tuple[Cut, ...]
+
+
+@dataclass(slots=True)
+class _Critical:
+    """A root of one irreducible polynomial in p: whether a curve contains it, and the pairs of curves that meet there."""
+
+    wall: bool = False
+    pairs: set[tuple[int, int]] = field(default_factory=set)
+
+
+def decompose(
+    scheme: Scheme,
+    values: Mapping[str, Fraction],
+    parameter: str,
+    low: Fraction | None,
+    high: Fraction | None,
+    report: Report,
+) -> Decomposition:
+    """The cells of ``parameter`` over (low, high) (None: infinite). Raises NotProved, and InputError as the analyses do."""
+    return _Decomposer(scheme, values, parameter, low, high, report).run()
+
+
+class _Decomposer:
+    def __init__(
+        self,
+        scheme: Scheme,
+        values: Mapping[str, Fraction],
+        parameter: str,
+        low: Fraction | None,
+        high: Fraction | None,
+        report: Report,
+    ) -> None:
+        self.scheme, self.parameter, self.report = scheme, parameter, report
+        self.low = None if low is None else Root.of(low)
+        self.high = None if high is None else Root.of(high)
+        self.values = {**values, scheme.cfl: values.get(scheme.cfl, Fraction(1))}
+        self.boundary = Boundary((), ())
+
+    def run(self) -> Decomposition:
+        self.boundary = self._whole_boundary()
+        critical = critical_parameters(self.boundary, self.report)
+        roots = self._inside(list(critical))
+        places = by_real_part([root for root, _ in roots])
+        cause = {id(root): critical[key] for root, key in roots}
+        cells = []
+        for k, (low, high) in enumerate(pairwise([self.low, *places, self.high])):
+            self.report(f"cell {k + 1} of {len(places) + 1}")
+            cells.append(self._cell(low, high))
+        cuts = []
+        for k, place in enumerate(places):
+            self.report(f"cut {k + 1} of {len(places)}")
+            cuts.append(self._cut(place, cause[id(place)], cells[k], cells[k + 1]))
+        return Decomposition(self.boundary, tuple(cells), tuple(cuts))
+
+    def at(self, p: Fraction | Root) -> dict[str, Fraction | Root]:
+        exact = p.rational if isinstance(p, Root) else p
+        return {**self.values, self.parameter: p if exact is None else exact}
+
+    # Curves -----------------------------------------------------------------------------------------------------------
+
+    def _whole_boundary(self) -> Boundary:
+        """The curves for every combination of signs that the wave speeds take over the domain.
+
+        Speeds change sign on walls, which are the same polynomials for every sample.
+        """
+        self.report("boundary curves")
+        first = self._boundary(between(self.low, self.high))
+        places = by_real_part([root for root, _ in self._inside([_key(wall) for wall in first.walls])])
+        curves = {str(curve): curve for curve in first.curves}
+        walls = {str(wall): wall for wall in first.walls}
+        for low, high in pairwise([self.low, *places, self.high]) if places else ():
+            other = self._boundary(between(low, high))
+            curves |= {str(curve): curve for curve in other.curves}
+            walls |= {str(wall): wall for wall in other.walls}
+        return Boundary(tuple(curves.values()), tuple(walls.values()))
+
+    def _boundary(self, sample: Fraction) -> Boundary:
+        return boundary(self.scheme, {**self.values, self.parameter: sample}, self.parameter)
+
+    def _inside(self, keys: Sequence[tuple[int, ...]]) -> list[tuple[Root, tuple[int, ...]]]:
+        """The real roots of the polynomials that lie in the domain."""
+        found = []
+        for key in keys:
+            for root in isolated_roots(fmpz_poly(list(key)), is_square_free=True):
+                if root.is_real and (self.low is None or self.low < root) and (self.high is None or root < self.high):
+                    found.append((root, key))
+        return found
+
+    # Cells ------------------------------------------------------------------------------------------------------------
+
+    def _cell(self, low: Root | None, high: Root | None) -> Cell:
+        sample = between(low, high)
+        found = self._stable_set(sample)
+        spans = tuple(Span(self._branch(i.low, sample), self._branch(i.high, sample)) for i in found.intervals)
+        bound = found.lam_max
+        return Cell(low, high, sample, spans, found.limited_by, self._at_bound(sample, bound))
+
+    def _stable_set(self, p: Fraction | Root) -> StableSet:
+        found = stable_set(self.scheme, self.at(p))  # type: ignore[arg-type]
+        if found.undecided is not None:
+            raise NotProved(f"at {self.parameter} = {shown(p)} {found.undecided}")
+        return found
+
+    def _branch(self, end: Root | None, p: Fraction) -> Branch | None:
+        if end is None:
+            return None
+        mine = end.minimal
+        for index, curve in enumerate(self.boundary.curves):
+            poly = curve_at(curve, p)
+            if not poly % mine.poly:
+                return Branch(index, 1 + ascending_roots(poly).index(mine))
+        raise NotProved(f"an end of the stable set at {self.parameter} = {p} lies on none of the boundary curves")
+
+    def _at_bound(self, p: Fraction | Root, bound: Root | None) -> Verdict | None:
+        return None if bound is None or bound.is_zero else self.verdict(p, bound)
+
+    def verdict(self, p: Fraction | Root, lam: Root) -> Verdict:
+        """The exact verdict at a point; UNSTABLE where no scheme exists (a division by zero, a degenerate closure)."""
+        values = {**self.at(p), self.scheme.cfl: lam if lam.rational is None else lam.rational}
+        try:
+            if interior_stability(normal_mode_problem(self.scheme, values)) is not None:
+                return Verdict.UNSTABLE
+            return quick_verdict(self.scheme, values)
+        except InputError:
+            return Verdict.UNSTABLE
+
+    def contains(self, cell: Cell, lam: Fraction, p: Fraction) -> bool:
+        """Whether (p, lam), on no curve, is stable."""
+        here = Root.of(lam)
+        for span in cell.spans:
+            low, high = (None if end is None else self.value(end, p) for end in (span.low, span.high))
+            if (low is None or low < here) and (high is None or here < high):
+                return True
+        return False
+
+    def value(self, end: Branch | Root, p: Fraction) -> Root:
+        if isinstance(end, Root):
+            return end
+        return ascending_roots(curve_at(self.boundary.curves[end.curve], p))[end.k - 1]
+
+    # Cuts -------------------------------------------------------------------------------------------------------------
+
+    def _cut(self, root: Root, cause: _Critical, left: Cell, right: Cell) -> Cut:
+        if not cause.wall:
+            isolated = [lam for lam in self._meetings_inside(root, cause, left) if self._unstable(root, lam)]
+            if not isolated:
+                return Cut(root, None, None)
+        try:
+            here = self._stable_set(root)
+        except InputError:
+            return Cut(root, (), None)  # no scheme at this value
+        limits = self.limit(left, root), self.limit(right, root)
+        intervals = [(i.low, i.high) for i in here.intervals]
+        if intervals == limits[0] == limits[1]:
+            return Cut(root, None, None)
+        return Cut(root, tuple(Span(*i) for i in intervals), self._at_bound(root, here.lam_max))
+
+    def _unstable(self, root: Root, lam: Root) -> bool:
+        verdict = self.verdict(root, lam)
+        if verdict is Verdict.UNDECIDED:
+            raise NotProved(f"{self.parameter} = {shown(root)}, {self.scheme.cfl} = {shown(lam)} is undecided")
+        return verdict is not Verdict.STABLE
+
+    def _meetings_inside(self, root: Root, cause: _Critical, left: Cell) -> Iterator[Root]:
+        """The meeting points with stable lam on either side, next to them on the cut."""
+        points = meeting_points(self.boundary.curves, root, sorted(cause.pairs))
+        for lam, multiplicity in points.items():
+            below, above = self._isolated(root, lam, multiplicity)
+            p = self.beside(left, root, [specialise(c, {"lam": e}) for c in self.boundary.curves for e in (below, above)])
+            if self.contains(left, below, p) and self.contains(left, above, p):
+                yield lam
+
+    def _isolated(self, root: Root, lam: Root, multiplicity: Mapping[int, int]) -> tuple[Fraction, Fraction]:
+        """Rational ends around a meeting point with no other point of a curve over ``root`` between them.
+
+        Where the m-th derivative in lam has no zero there, a curve has m points at most, and m are at ``lam`` already.
+        """
+        derivatives = []
+        for index, curve in enumerate(self.boundary.curves):
+            for _ in range(multiplicity.get(index, 0)):
+                curve = curve.derivative("lam")
+            derivatives.append(curve)
+        bits = START_BITS
+        while bits <= MEETING_BITS:
+            with ctx.workprec(bits + GUARD_BITS):
+                below, above = rational_ends(lam.ball(bits // 2).real)
+                below, above = below - (above - below), above + (above - below)
+                box = {"p": root.ball(bits), "lam": _hull(below, above)}
+                if below == above:
+                    below, above = (below * (1 + Fraction(sign, 1 << (bits // 2))) for sign in (-1, 1))
+                    box["lam"] = _hull(below, above)
+                if not any(at_balls(each, box).contains(0) for each in derivatives):
+                    return below, above
+            bits *= 2
+        raise NotProved(f"curves meet at {self.parameter} = {shown(root)} in a way that is not resolved")
+
+    def beside(self, cell: Cell, root: Root, walls: Sequence[fmpz_mpoly]) -> Fraction:
+        """A p of the cell so close to its end ``root`` that no zero of the polynomials in p lies between."""
+        mine = [univariate(w, "p") for w in walls if not w.is_zero() and degree_in(w, "p")]
+        factors = {_key(primitive(f)): primitive(f) for w in mine for f, _ in w.factor()[1]}
+        zeros = [r for f in factors.values() for r in isolated_roots(f, is_square_free=True) if r.is_real]
+        if cell.high is root:
+            below = [z for z in zeros if z < root and (cell.low is None or cell.low < z)]
+            return between(max(below) if below else cell.low, root)
+        above = [z for z in zeros if root < z and (cell.high is None or z < cell.high)]
+        return between(root, min(above) if above else cell.high)
+
+    def limit(self, cell: Cell, root: Root) -> list[tuple[Root | None, Root | None]]:
+        """The stable intervals over the cell as p tends to its end ``root``; those that shrink to a point are left out."""
+        limits = []
+        for span in cell.spans:
+            low = None if span.low is None else self.limit_of(cell, span.low, root)
+            high = None if span.high is None else self.limit_of(cell, span.high, root)
+            if low == "oo" or high == 0 or (low is not None and low == high):
+                continue
+            limits.append((None if low == 0 else low, None if high == "oo" else high))
+        return limits  # type: ignore[return-value]
+
+    def limit_of(self, cell: Cell, branch: End, root: Root) -> Root | int | str:
+        """Where a branch tends: a positive number, 0, or "oo"."""
+        assert isinstance(branch, Branch)
+        curve = self.boundary.curves[branch.curve]
+        ends = by_real_part(_distinct(r.root for r in fibre({"p": root}, curve, "lam") if r.root.is_real and r.root.ball().real > 0))
+        gates = _gates(ends)
+        p = self.beside(cell, root, [specialise(curve, {"lam": gate}) for gate in gates])
+        here = self.value(branch, p)
+        place = sum(Root.of(gate) < here for gate in gates)
+        return 0 if place == 0 else "oo" if place == len(gates) else ends[place - 1]
+
+
+# Criticality ---------------------------------------------------------------------------------------------------------
+
+
+def critical_parameters(found: Boundary, report: Report) -> dict[tuple[int, ...], _Critical]:
+    """Irreducible polynomials in p, by their coefficients, off whose roots the curves are disjoint graphs over p."""
+    critical: dict[tuple[int, ...], _Critical] = {_key(wall): _Critical(wall=True) for wall in found.walls}
+
+    def add(poly: fmpz_poly, pair: tuple[int, int] | None) -> None:
+        for factor, _ in poly.factor()[1]:
+            entry = critical.setdefault(_key(primitive(factor)), _Critical())
+            if pair is not None:
+                entry.pairs.add(pair)
+
+    for index, curve in enumerate(found.curves):
+        report(f"discriminant {index + 1} of {len(found.curves)}")
+        parts = in_parameter(curve)
+        add(parts[-1], None)
+        add(parts[0], None)
+        if len(parts) > 2:
+            add(univariate(curve.discriminant("lam"), "p"), (index, index))
+    for (i, one), (j, other) in combinations(enumerate(found.curves), 2):
+        report(f"resultant of curves {i + 1} and {j + 1} of {len(found.curves)}")
+        add(univariate(one.resultant(other, "lam"), "p"), (i, j))
+    return critical
+
+
+def _key(poly: fmpz_poly) -> tuple[int, ...]:
+    return tuple(int(c) for c in list(poly))
+
+
+# Numbers -------------------------------------------------------------------------------------------------------------
+
+
+def ascending_roots(poly: fmpz_poly) -> list[Root]:
+    """The distinct positive roots, ascending, each over its irreducible polynomial."""
+    return by_real_part(positive_roots([poly]))
+
+
+def _distinct(roots: Iterator[Root]) -> list[Root]:
+    return list(dict.fromkeys(root.minimal for root in roots))
+
+
+def _gates(ends: Sequence[Root]) -> list[Fraction]:
+    """Rationals below, between and above ascending positive numbers."""
+    if not ends:
+        return [Fraction(1)]
+    return [between(low, high) for low, high in pairwise([Root.of(0), *ends, None])]
+
+
+def between(low: Root | None, high: Root | None) -> Fraction:
+    """The simplest rational in an open interval; None is infinite."""
+    bits = START_BITS
+    while True:
+        with ctx.workprec(bits + GUARD_BITS):
+            bottom = None if low is None else rational_ends(low.ball(bits).real)[1]
+            top = None if high is None else rational_ends(high.ball(bits).real)[0]
+        if bottom is None or top is None or bottom < top:
+            return _simplest(bottom, top)
+        bits *= 2
+
+
+def _simplest(low: Fraction | None, high: Fraction | None) -> Fraction:
+    if (low is None or low < 0) and (high is None or high > 0):
+        return Fraction(0)
+    if low is not None and low >= 0:
+        return simplest_between(low, high)
+    assert high is not None
+    return -simplest_between(-high, None if low is None else -low)
+
+
+def _hull(low: Fraction, high: Fraction) -> arb:
+    ends = [arb(fmpq(e.numerator, e.denominator)) for e in (low, high)]
+    return ends[0].union(ends[1])
+
+
+def shown(value: Fraction | Root) -> str:
+    """A number for a message."""
+    exact = value if isinstance(value, Fraction) else value.rational
+    if exact is not None:
+        return str(exact)
+    assert isinstance(value, Root)
+    return str(value.ball().real.str(12, radius=False))
+
+
+__all__ = ["PLANE", "Branch", "Cell", "Cut", "Decomposition", "NotProved", "Span", "decompose"]

@@ -1,0 +1,182 @@
+"""The number of zeros of Delta in abs(w) < 1, by a walk along the unit circle that leaves nothing between its steps.
+
+Delta is analytic for abs(w) < 1 and continuous up to the circle, and its coefficients are real: the walk goes from a real
+point to a real point through the upper half-plane, and the zeros inside number the half-turns of Delta on the way. A
+step is a disc over which Delta is proved to stay within a right angle of its value at the node, so that the phase
+between neighbouring nodes is known without a doubt about full turns. Where that fails the step is divided. Round a
+known zero near the circle the walk goes on an arc inside of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import acos, ceil, pi
+
+import numpy as np
+
+from gks.modes.chart import Chart
+from gks.modes.discs import Array, ComplexArray, Discs
+from gks.modes.kreissdiscs import Patch, Region, Start, patch
+from gks.modes.tables import Tables
+
+FIRST_STEP = pi / 128
+"""Half-length of the first steps: symbols of degree up to 8 need about one division from here."""
+INWARD = 0.25
+"""The nodes of a step of half-length h on the circle lie INWARD*h inside it, where decaying roots are told by modulus."""
+RIGHT_ANGLE = 0.9
+"""Largest relative change that a step may prove: the phase moves by less than asin(0.9) = 1.12, two of which stay below pi
+by more than any rounding of a phase."""
+JOINT = 2.0**-46
+"""Added to the radius of a step's disc: more than the rounding of end points of neighbouring pieces (a few 2**-52)."""
+STEPS = 40_000
+"""Steps after which a walk gives up, some seconds of work."""
+
+
+@dataclass(frozen=True, slots=True)
+class Piece:
+    """The arc centre + radius*exp(i t), t from ``begin`` to ``end``; on the unit circle nodes are moved inwards."""
+
+    centre: complex
+    radius: float
+    begin: float
+    end: float
+    unit: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Walk:
+    """Nodes in order, the value of Delta there, and the parts (begin, end as points of w) that no step size settled."""
+
+    node: ComplexArray
+    phase: Array
+    log: Array
+    relative: Array
+    change: Array
+    start: Start
+    stuck: tuple[complex, ...]
+
+    @property
+    def half_turns(self) -> float:
+        """The phase of Delta from a real point to a real point over pi: an integer up to rounding, where nothing is stuck."""
+        steps = np.angle(np.exp(1j * np.diff(self.phase)))
+        ends = [_to_real(self.phase[0]), _to_real(self.phase[-1])]
+        return float((steps.sum() + ends[1] - ends[0]) / pi)
+
+
+def _to_real(phase: float) -> float:
+    """The smallest turn that makes a number of this phase real."""
+    return round(phase / pi) * pi - phase
+
+
+def half_circle(indentations: Sequence[tuple[complex, float]] = ()) -> list[Piece]:
+    """The contour from a real point near 1 to one near -1, round discs (centre, radius) that meet the unit circle.
+
+    The discs are disjoint, and each is centred on the real axis or keeps clear of it in the upper half-plane.
+    """
+    pieces: list[Piece] = []
+    at = 0.0
+    for centre, radius in sorted(indentations, key=lambda each: float(np.angle(each[0]))):
+        direction = float(np.angle(centre)) if centre.imag else (0.0 if centre.real > 0 else pi)
+        size = abs(centre)
+        half = acos((1 + size**2 - radius**2) / (2 * size))
+        meeting = np.exp(1j * half) - size  # seen from the centre, the direction of the centre being the real axis
+        side = float(abs(np.angle(meeting)))
+        begin = direction - (pi if direction == 0.0 else side)
+        end = direction - (pi if direction == pi else 2 * pi - side)
+        if direction - half > at:
+            pieces.append(Piece(0j, 1.0, at, direction - half, True))
+        pieces.append(Piece(centre, radius, begin, end, False))
+        at = direction + half
+    if at < pi:
+        pieces.append(Piece(0j, 1.0, at, pi, True))
+    return pieces
+
+
+def full_circle(centre: complex, radius: float) -> list[Piece]:
+    """The boundary of a disc, or its upper half where the centre is real."""
+    return [Piece(centre, radius, 0.0, 2 * pi if centre.imag else pi, False)]
+
+
+@dataclass(frozen=True, slots=True)
+class _Steps:
+    """A batch of steps: piece number, midpoint in t, half-length in t (positive)."""
+
+    piece: np.ndarray  # type: ignore[type-arg]
+    middle: Array
+    half: Array
+
+    def divided(self) -> _Steps:
+        quarter = self.half / 2
+        return _Steps(
+            np.repeat(self.piece, 2),
+            (self.middle[:, None] + np.stack([-quarter, quarter], 1)).ravel(),
+            np.repeat(quarter, 2),
+        )
+
+    def take(self, index: np.ndarray) -> _Steps:  # type: ignore[type-arg]
+        return _Steps(self.piece[index], self.middle[index], self.half[index])
+
+
+def walk(
+    tables: Tables,
+    chart: Chart,
+    pieces: Sequence[Piece],
+    smallest: float,
+    region: Region | None = None,
+) -> Walk:
+    """Walks along the pieces with steps no shorter than ``smallest`` (half-length in w).
+
+    With a region, its discs instead of the modulus tell the decaying roots.
+    """
+    pending, start = _first(pieces), None
+    done: list[tuple[_Steps, ComplexArray, Patch]] = []
+    stuck: list[complex] = []
+    taken = 0
+    while len(pending.piece):
+        taken += len(pending.piece)
+        disc, node = _cover(pieces, pending)
+        found = patch(tables, chart, disc, node, start, region)
+        passed = found.change <= RIGHT_ANGLE
+        small = disc.rad < 2 * smallest if taken < STEPS else np.ones(len(passed), bool)
+        stuck += [complex(w) for w in node[~passed & small]]
+        closed = np.flatnonzero(passed | small)
+        done.append((pending.take(closed), node[closed], found.take(closed)))
+        open_ = np.flatnonzero(~(passed | small))
+        pending = pending.take(open_).divided()
+        start = found.start.take(np.repeat(open_, 2))
+    return _ordered(pieces, done, stuck)
+
+
+def _first(pieces: Sequence[Piece]) -> _Steps:
+    number, middle, half = [], [], []
+    for k, piece in enumerate(pieces):
+        span = piece.end - piece.begin
+        # A zero at the centre of a small circle turns Delta as fast as the point goes round: steps of a quarter radian.
+        count = ceil(abs(span) / (2 * (FIRST_STEP if piece.unit else 0.25)))
+        for j in range(count):
+            number.append(k)
+            middle.append(piece.begin + span * (j + 0.5) / count)
+            half.append(abs(span) / (2 * count))
+    return _Steps(np.array(number), np.array(middle), np.array(half))
+
+
+def _cover(pieces: Sequence[Piece], steps: _Steps) -> tuple[Discs, ComplexArray]:
+    """Discs that hold the steps, centred at their nodes."""
+    centre = np.array([p.centre for p in pieces])[steps.piece]
+    radius = np.array([p.radius for p in pieces])[steps.piece]
+    unit = np.array([p.unit for p in pieces])[steps.piece]
+    inward = np.where(unit, INWARD * steps.half, 0.0)
+    node = centre + radius * (1 - inward) * np.exp(1j * steps.middle)
+    # The end points are at most sqrt(h**2 + (INWARD h)**2) from the node, for h <= 4 INWARD.
+    reach = radius * steps.half * np.where(unit, np.hypot(1, INWARD), 1.0)
+    return Discs(node, reach + JOINT * radius), node
+
+
+def _ordered(pieces: Sequence[Piece], done: Sequence[tuple[_Steps, ComplexArray, Patch]], stuck: list[complex]) -> Walk:
+    piece = np.concatenate([s.piece for s, _, _ in done])
+    forward = np.array([1.0 if p.end >= p.begin else -1.0 for p in pieces])[piece]
+    order = np.lexsort((np.concatenate([s.middle for s, _, _ in done]) * forward, piece))
+    found = Patch.join([p for _, _, p in done]).take(order)
+    node = np.concatenate([n for _, n, _ in done])[order]
+    return Walk(node, found.phase, found.log, found.relative, found.change, found.start, tuple(stuck))
