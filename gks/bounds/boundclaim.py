@@ -6,14 +6,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-from gks.bounds.cfl import Interval, StableSet, stable_set
-from gks.bounds.claimvalue import compare, printed_decimal, rounds_to, value_of
+from gks.bounds.cfl import StableSet, stable_set
+from gks.bounds.claimvalue import both_sides, compare, number_of, printed_decimal, rounds_to, value_of
 from gks.bounds.finding import Counterexample, Finding, Status, Values, exact_text, undecided, witness
 from gks.bounds.samples import open_parameters, samples, simplest_between
-from gks.errors import InputError, ParameterError
+from gks.errors import NotAnalysable, ParameterError, SchemeError
 from gks.modes.algebraic import Root
 from gks.modes.analysis import analyse
-from gks.modes.numerals import exact_fraction, text_real
+from gks.modes.numerals import text_real
 from gks.modes.verdict import Verdict
 from gks.scheme.expression import Expr
 from gks.scheme.model import Claim, Scheme
@@ -43,7 +43,7 @@ class _Held:
 def hold_bound(scheme: Scheme, claim: Claim, formula: Expr) -> Finding:
     """Hold a claimed bound against the exact stable set at each of the sample values."""
     free = [parameter.name for parameter in open_parameters(scheme, claim)]
-    points = [_held(scheme, claim, formula, values) for values in samples(scheme, claim)]
+    points = _points(scheme, claim, formula)
     decided = [point for point in points if point.sign is not None]
     evidence: dict[str, object] = {
         "route": "exact stable sets",
@@ -66,15 +66,32 @@ def hold_bound(scheme: Scheme, claim: Claim, formula: Expr) -> Finding:
     return Finding(Status.FAILS, derived, _counterexample(scheme, claim, formula, chosen), evidence)
 
 
+def _points(scheme: Scheme, claim: Claim, formula: Expr) -> list[_Held]:
+    """The claim held at every sample; at the first alone if the analysis doesn't reach the scheme there."""
+    first, *others = samples(scheme, claim)
+    try:
+        beginning = _held(scheme, claim, formula, first)
+    except NotAnalysable as error:
+        return [_Held(first, None, None, str(error))]
+    points = [beginning]
+    for values in others:
+        try:
+            points.append(_held(scheme, claim, formula, values))
+        except NotAnalysable as error:
+            points.append(_Held(values, None, None, str(error)))
+    return points
+
+
 def _range(low: Fraction | None, high: Fraction | None) -> list[str]:
     return ["-oo" if low is None else str(low), "oo" if high is None else str(high)]
 
 
 def _held(scheme: Scheme, claim: Claim, formula: Expr, values: Values) -> _Held:
+    """NotAnalysable where the analysis has no route to the scheme or the formula."""
     try:
         stable = stable_set(scheme, values)
-    except InputError as error:
-        return _Held(values, None, None, str(error))  # there is no scheme, or no route to it, at these values
+    except (ParameterError, SchemeError) as error:
+        return _Held(values, None, None, str(error))  # there is no scheme at these values
     if stable.undecided is not None:
         return _Held(values, None, None, stable.undecided)
     if stable.lam_max is None:
@@ -84,8 +101,6 @@ def _held(scheme: Scheme, claim: Claim, formula: Expr, values: Values) -> _Held:
         sign = rounds_to(stable.lam_max, printed) if printed else compare(formula, values, stable.lam_max)
     except ParameterError as error:
         return _Held(values, stable, -1, str(error))  # the claim has no value where the scheme has a bound
-    except InputError as error:
-        return _Held(values, None, None, str(error))
     return _Held(values, stable, sign)
 
 
@@ -96,17 +111,10 @@ def _claimed(formula: Expr, values: Values) -> Fraction | None:
         return None
 
 
-def _number(root: Root | None) -> Fraction | None:
-    if root is None:
-        return None
-    return exact_fraction(root.ball().real) if root.rational is None else root.rational
-
-
 def _text(root: Root | None) -> str:
-    number = _number(root)
-    if number is None:
+    if root is None:
         return "oo"
-    return exact_text(number) if root is not None and root.rational is not None else text_real(number)
+    return text_real(number_of(root)) if root.rational is None else exact_text(root.rational)
 
 
 def _derived(scheme: Scheme, point: _Held) -> str:
@@ -126,7 +134,8 @@ def _telling(scheme: Scheme, formula: Expr, failing: Sequence[_Held], free: Sequ
     """The failing point that shows it best: clearly off, near the defaults, and claimed stable where it is not."""
 
     def rank(point: _Held) -> tuple[bool, bool, float]:
-        claimed, derived = _claimed(formula, point.values), _number(point.lam_max)
+        claimed = _claimed(formula, point.values)
+        derived = None if point.lam_max is None else number_of(point.lam_max)
         sizes = [number for number in (claimed, derived) if number is not None and number > 0]
         clear = len(sizes) < 2 or max(sizes) >= CLEAR * min(sizes)
         return not clear, point.sign != 1, sum(_distance(scheme, name, point.values[name]) for name in free)
@@ -148,34 +157,45 @@ def _log2(ratio: Fraction) -> float:
 
 
 def _counterexample(scheme: Scheme, claim: Claim, formula: Expr, point: _Held) -> Counterexample | None:
-    """A CFL number between claim and derivation, where the scheme does what the claim says it does not."""
+    """A CFL number between claim and derivation, where the scheme does what the claim says it does not.
+
+    None only where the claim and the derivation differ by an isolated irrational lam.
+    """
     claimed = _claimed(formula, point.values)
     if claimed is None:
-        return Counterexample(dict(point.values), point.because, "no value of the claim", None, None)
-    assert point.stable is not None
+        return Counterexample(dict(point.values), point.because, "the claim has no value", None, None)
     said = f"claimed bound {claim.texts['bound']} = {text_real(claimed)}, derived {_text(point.lam_max)}"
     if point.sign == 1:
-        low, high = _unstable_gap(point.stable, claimed)
-        shows = f"{said}: not stable below the claimed bound"
-        wanted = False
+        low, high = _unstable_gap(formula, point)
+        shows, stable = f"{said}: not stable below the claimed bound", False
     else:
-        top = _number(point.lam_max)
-        low, high = max(claimed, Fraction(0)), 2 * max(claimed, Fraction(1)) if top is None else top
-        shows = f"{said}: still stable above the claimed bound"
-        wanted = True
+        low, high = _stable_gap(formula, point)
+        shows, stable = f"{said}: still stable above the claimed bound", True
     for lam in _inside(low, high):
         values = {**point.values, scheme.cfl: lam}
-        if (analyse(scheme, values).verdict is Verdict.STABLE) is wanted:
+        if (analyse(scheme, values).verdict is Verdict.STABLE) is stable:
             return witness(scheme, values, shows)
     return None
 
 
-def _unstable_gap(stable: StableSet, claimed: Fraction) -> tuple[Fraction, Fraction]:
-    """The stretch of the lam axis from lam_max up to the claim or to the next stable interval."""
-    bottom = _number(stable.lam_max) or Fraction(0)
-    later: Sequence[Interval] = [i for i in stable.intervals if i.low is not None]
-    ends = [end for end in (_number(i.low) for i in later) if end is not None and end >= bottom]
-    return bottom, min([claimed, *ends])
+def _unstable_gap(formula: Expr, point: _Held) -> tuple[Fraction, Fraction]:
+    """The stretch of the lam axis from lam_max up to the claim or to the next stable interval; low = high for one lam."""
+    assert point.stable is not None
+    assert point.lam_max is not None
+    claimed, bottom = both_sides(formula, point.values, point.lam_max)
+    for interval in point.stable.intervals:
+        if interval.low is not None:
+            return bottom, min(claimed, number_of(interval.low))
+    return bottom, claimed
+
+
+def _stable_gap(formula: Expr, point: _Held) -> tuple[Fraction, Fraction]:
+    """The stretch from the claim (from 0, if that is negative) up to lam_max."""
+    if point.lam_max is None:
+        bottom = max(value_of(formula, point.values), Fraction(0))
+        return bottom, 2 * max(bottom, Fraction(1))
+    claimed, top = both_sides(formula, point.values, point.lam_max)
+    return max(claimed, Fraction(0)), top
 
 
 def _inside(low: Fraction, high: Fraction) -> list[Fraction]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 
-from flint import ctx
+from flint import ctx, fmpz_mpoly
 
 from gks.modes.algebraic import GUARD_BITS, START_BITS, Root, isolation
 from gks.modes.coefficients import Coefficients, Ratio
@@ -72,23 +72,41 @@ def difference(one: Expr, other: Expr, values: Mapping[str, Fraction]) -> int:
     return field.sign(field.evaluate(one) - field.evaluate(other))
 
 
-def value_of(formula: Expr, values: Mapping[str, Fraction]) -> Fraction:
-    """A rational within 2**-VALUE_BITS (relative) of the formula's value; the value itself where it is rational."""
+def value_of(formula: Expr, values: Mapping[str, Fraction], accuracy: int = VALUE_BITS) -> Fraction:
+    """A rational within 2**-accuracy (relative) of the formula's value; the value itself where it is rational."""
     field = ClaimField(values)
     ratio = field.evaluate(formula)
     if ratio.num.is_constant() and ratio.den.is_constant():
         return Fraction(_integer(ratio.num), _integer(ratio.den))
-    bits = VALUE_BITS
+    if field.is_zero(ratio.num):
+        return Fraction(0)
+    bits = accuracy
     while True:
         with ctx.workprec(bits + GUARD_BITS):
             ball = (field.ball(ratio.num, bits) / field.ball(ratio.den, bits)).real
-            if ball.rel_accuracy_bits() >= VALUE_BITS or field.is_zero(ratio.num):
-                return exact_fraction(ball) if not ball.contains(0) else Fraction(0)
+            if ball.rel_accuracy_bits() >= accuracy:
+                return exact_fraction(ball)
         bits *= 2
 
 
-def _integer(constant: object) -> int:
-    return int(constant.leading_coefficient()) if constant else 0  # type: ignore[attr-defined]
+def number_of(root: Root, accuracy: int = VALUE_BITS) -> Fraction:
+    """A rational within 2**-accuracy (relative) of a real algebraic number; the number itself where it is rational."""
+    return exact_fraction(root.ball(accuracy).real) if root.rational is None else root.rational
+
+
+def both_sides(formula: Expr, values: Mapping[str, Fraction], derived: Root) -> tuple[Fraction, Fraction]:
+    """(formula, derived) as rationals on the right sides of each other; the two must not be equal."""
+    accuracy = VALUE_BITS
+    while True:
+        claimed, number = value_of(formula, values, accuracy), number_of(derived, accuracy)
+        # Each is off by at most a 2**-accuracy of itself; a gap 16 times as wide is real, and has room inside.
+        if abs(claimed - number) > 16 * max(abs(claimed), abs(number)) / 2**accuracy:
+            return claimed, number
+        accuracy *= 2
+
+
+def _integer(constant: fmpz_mpoly) -> int:
+    return int(constant.leading_coefficient()) if constant else 0
 
 
 def conjugate(z: Root) -> Root:

@@ -67,6 +67,15 @@ class Chart:
         scale = (mu + Jets.exact(np.ones(mu.value.mid.shape, complex))).reciprocal()
         return mu * scale, scale
 
+    def covers(self, w: Discs, stages: ComplexArray) -> Discs | None:
+        """Disjoint discs (branches,) around the roots mu over one disc of w (1,); None where they are not kept apart."""
+        if not self._runge_kutta:
+            return Discs.exact(np.empty(0, complex))
+        found = root_discs(self._over(Jets(w, Discs.exact(np.ones(1, complex)))).value, stages)
+        if found.joined.sum() > self.branches:
+            return None
+        return Discs(found.centre[0], found.cover[0])
+
     def _over(self, w: Jets) -> Jets:
         """The coefficients of w R(mu) - 1, ascending: (N, branches + 1)."""
         assert self.method is not None

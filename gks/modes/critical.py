@@ -108,16 +108,56 @@ def _on_circle(problem: NormalModeProblem, f: fmpz_mpoly) -> Iterator[fmpz_mpoly
         for end in (2, -2):
             yield specialise(cosine, {"z": Fraction(end)})
     for family in problem.families:
-        if not degree_in(family.polynomial, "x"):
-            continue
-        symbol = family.polynomial
-        if problem.time_map is not None:
-            symbol = symbol.resultant(problem.time_map, "s")
-        mirrored = reciprocal_in(symbol, ("z", "x"))
-        for locus in (symbol.resultant(mirrored, "x"), symbol.discriminant("x")):
-            for curve, _ in irreducible_factors(locus) if not locus.is_zero() else ():
-                if degree_in(curve, "z") and curve != f:
-                    yield f.resultant(curve, "z")
+        if degree_in(family.polynomial, "x"):
+            yield from _spatial_events(problem, f, family.polynomial)
+
+
+def _spatial_events(problem: NormalModeProblem, f: fmpz_mpoly, symbol: fmpz_mpoly) -> Iterator[fmpz_mpoly]:
+    """Where a spatial root at a zero of f meets the circle or another one.
+
+    For f of low degree the spatial roots themselves are eliminated to: the factors h of Res_z(f, P) in x. Otherwise the
+    points (z, lam) at which any spatial root meets the circle or another one are, and then those on f.
+    """
+    if degree_in(f, "z") <= FEW_ROOTS:
+        yield from _events_along(_at_roots(problem, f, symbol))
+        return
+    if problem.time_map is not None:
+        symbol = symbol.resultant(problem.time_map, "s")
+    mirrored = reciprocal_in(symbol, ("z", "x"))
+    for locus in (symbol.resultant(mirrored, "x"), symbol.discriminant("x")):
+        for curve, _ in irreducible_factors(locus) if not locus.is_zero() else ():
+            if degree_in(curve, "z") and curve != f:
+                yield f.resultant(curve, "z")
+
+
+FEW_ROOTS = 2
+"""Degree of f in z up to which the spatial roots over all its zeros are cheap to have in one polynomial."""
+
+
+def _at_roots(problem: NormalModeProblem, f: fmpz_mpoly, symbol: fmpz_mpoly) -> fmpz_mpoly:
+    """The polynomial in x of the spatial roots over the zeros of f, and of their images under inversion."""
+    if problem.time_map is not None:
+        # f in z alone stands for the s that the integrator maps there.
+        symbol = symbol.resultant(f.resultant(problem.time_map, "z"), "s")
+    elif degree_in(symbol, "z"):
+        symbol = symbol.resultant(f, "z")
+    return symbol
+
+
+def _events_along(spatial: fmpz_mpoly) -> Iterator[fmpz_mpoly]:
+    """Where roots of the factors in x meet each other or the circle."""
+    if spatial.is_zero():
+        return
+    factors = [h for h, _ in irreducible_factors(spatial) if degree_in(h, "x")]
+    for k, h in enumerate(factors):
+        yield powers_of(h, "x")[-1]
+        yield powers_of(h, "x")[0]
+        mirrored = reciprocal_in(h, ("x",))
+        yield h.discriminant("x") if h in (mirrored, -mirrored) else h.resultant(mirrored, "x")
+        for end in (1, -1):
+            yield specialise(h, {"x": Fraction(end)})
+        for other in factors[:k]:
+            yield h.resultant(other, "x")
 
 
 def _on_axis(f: fmpz_mpoly) -> Iterator[fmpz_mpoly]:

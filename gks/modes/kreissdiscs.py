@@ -16,11 +16,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gks.modes.chart import Chart
 from gks.modes.discs import PRODUCT, UNIT, UP, Array, ComplexArray, Discs, Jets, Ring, joined, linear_combination, powers
-from gks.modes.rootdiscs import Mask, RootDiscs, approximate, branches, root_discs
+from gks.modes.rootdiscs import Mask, RootDiscs, approximate, root_discs
+from gks.modes.rootdiscs import branches as branches_of
 from gks.modes.tables import Polynomial, SymbolTable, Tables
+
+
+Index = NDArray[np.intp]
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,50 +77,122 @@ class Patch:
 
 
 @dataclass(frozen=True, slots=True)
-class Region:
-    """Which roots continue the decaying ones throughout a disc of w that reaches across the unit circle.
+class RegionRoots:
+    """All spatial roots of a family over a disc of w, in discs (branches, n), the ``decaying`` first."""
 
-    For every branch of the chart and every family discs (branches, d) that hold them and nothing else; the branches
-    themselves in discs (branches,).
+    discs: Discs
+    decaying: int
+
+
+@dataclass(frozen=True, slots=True)
+class Region:
+    """Which roots continue the decaying ones throughout a disc of w that may reach across the unit circle.
+
+    ``stages`` encloses the branches of the chart (branches,) over that disc.
     """
 
     stages: Discs
-    decaying: tuple[Discs, ...]
+    roots: tuple[RegionRoots, ...]
+
+    def start(self, points: int) -> Start:
+        """The region's own roots as the start at all points."""
+        spatial = (np.broadcast_to(r.discs.mid, (points, *r.discs.mid.shape)) for r in self.roots)
+        return Start(np.tile(self.stages.mid, (points, 1)), tuple(spatial))
+
+    def holds_stages(self, stages: ComplexArray) -> Mask:
+        """Whether each point's branches are those of the region, in its order: (branches * N,)."""
+        near = (np.abs(stages - self.stages.mid) < self.stages.rad).all(axis=1)
+        return np.tile(near, max(stages.shape[1], 1))
+
+    def chosen(self, family: int, found: RootDiscs) -> tuple[Mask, Mask]:
+        """Which roots lie in the discs of the decaying ones (branches * N, n), and whether all are told for certain."""
+        mine = self.roots[family]
+        branches = len(mine.discs.mid)
+        gap = np.abs(
+            found.centre.reshape(branches, -1, found.centre.shape[1])[:, :, :, None] - mine.discs.mid[:, None, None, :]
+        )
+        within = gap + found.cover.reshape(branches, -1, found.centre.shape[1])[:, :, :, None] <= (
+            mine.discs.rad[:, None, None, :] * (2 - UP)
+        )
+        decaying = within[..., : mine.decaying].any(axis=-1)
+        other = within[..., mine.decaying :].any(axis=-1)
+        shape = found.centre.shape
+        return decaying.reshape(shape), (decaying ^ other).reshape(shape).all(axis=1)
 
 
-def patch(tables: Tables, chart: Chart, disc: Discs, node: ComplexArray, start: Start | None = None) -> Patch:
-    """Delta over discs of w (N,), each with a node in it that has abs(node) < 1."""
+def patch(
+    tables: Tables,
+    chart: Chart,
+    disc: Discs,
+    node: ComplexArray,
+    start: Start | None = None,
+    region: Region | None = None,
+) -> Patch:
+    """Delta over discs of w (N,), each with a node in it; abs(node) < 1, or the discs lie in that of the region."""
+    points, branches = len(node), chart.branches
+    if start is None and region is not None:
+        start = region.start(points)
     stages = chart.stages(node, None if start is None else start.stages)
-    over = chart.images(Jets(disc, Discs.exact(np.ones(node.shape, complex))), stages)
+    over = chart.images(Jets(disc, Discs.exact(np.ones(points, complex))), stages)
     at = chart.images(Jets.exact(node), stages)
-    here = (at[0].value, at[1].value)
+    valid = np.ones(points * branches, bool) if region is None else region.holds_stages(stages)
     spatial: list[ComplexArray] = []
     roots: list[Jets] = []
-    valid = np.ones(len(node) * chart.branches, bool)
     for k, symbol in enumerate(tables.symbols):
-        exact = _symbol(symbol, here)
-        centre = approximate(exact.mid, None if start is None else start.spatial[k])
-        order, certain = _decaying(root_discs(exact, centre), symbol.decaying)
-        valid &= certain
+        exact = _symbol(symbol, (at[0].value, at[1].value))
+        centre = approximate(exact.mid, None if start is None else _by_branch(start.spatial[k]))
+        near = root_discs(exact, centre)
+        inside, certain = _inside(near) if region is None else region.chosen(k, near)
+        valid &= certain & (inside.sum(axis=1) == symbol.decaying)
+        order = np.lexsort((np.abs(centre), ~inside), axis=1)
         spatial.append(np.take_along_axis(centre, order, axis=1))
         coefficients = _symbol(symbol, over)
-        found = branches(coefficients, root_discs(coefficients.value, spatial[k]))
+        found = branches_of(coefficients, root_discs(coefficients.value, spatial[k]))
         roots.append(found.apply(lambda each, count=symbol.decaying: each[:, :count]))  # type: ignore[misc]
     nodes = [Discs.exact(x[:, : symbol.decaying]) for x, symbol in zip(spatial, tables.symbols, strict=True)]
-    reach = (np.abs(disc.mid - node) * UP + disc.rad) * UP
-    reach = np.tile(reach, chart.branches)
-    phase, log, relative, change = _determinant(_matrix(tables, nodes, here), _matrix(tables, roots, over), reach)
-    shape = (chart.branches, len(node))
+    reach = np.tile((np.abs(disc.mid - node) * UP + disc.rad) * UP, branches)
+    here = _matrix(tables, nodes, (at[0].value, at[1].value))
+    phase, log, relative, change = _determinant(here, _matrix(tables, roots, over), reach)
+    shape = (branches, points)
     with np.errstate(over="ignore"):
         factors = 1 + np.where(valid, change, np.inf).reshape(shape)
-        total = factors.prod(axis=0) * (1 + PRODUCT * chart.branches) - 1
+        total = factors.prod(axis=0) * (1 + PRODUCT * branches) - 1
+    begin = Start(stages, tuple(x.reshape(branches, points, -1).transpose(1, 0, 2) for x in spatial))
     return Patch(
-        phase.reshape(shape).sum(axis=0),
-        log.reshape(shape).sum(axis=0),
-        total,
-        relative.reshape(shape).min(axis=0),
-        Start(stages, tuple(spatial)),
-    )
+        phase.reshape(shape).sum(axis=0), log.reshape(shape).sum(axis=0), total,
+        relative.reshape(shape).min(axis=0), begin,
+    )  # fmt: skip
+
+
+def region_of(tables: Tables, chart: Chart, disc: Discs, node: complex) -> Region | None:
+    """The roots that continue the decaying ones over a disc of w, given a node in it with abs(node) < 1.
+
+    None where they are not proved to keep apart from the others all over the disc.
+    """
+    at_node = np.array([node])
+    stages = chart.stages(at_node)
+    over = chart.images(Jets(disc, Discs.exact(np.ones(1, complex))), stages)
+    at = chart.images(Jets.exact(at_node), stages)
+    covers = chart.covers(disc, stages)
+    if covers is None:
+        return None
+    chosen = []
+    for symbol in tables.symbols:
+        exact = _symbol(symbol, (at[0].value, at[1].value))
+        inside, certain = _inside(near := root_discs(exact, approximate(exact.mid)))
+        found = root_discs(_symbol(symbol, (over[0].value, over[1].value)), near.centre)
+        mixed = found.joined & (inside[:, :, None] != inside[:, None, :])
+        if not certain.all() or mixed.any() or (inside.sum(axis=1) != symbol.decaying).any():
+            return None
+        order = np.argsort(~inside, axis=1, kind="stable")
+        centre, cover = (np.take_along_axis(each, order, axis=1) for each in (found.centre, found.cover))
+        chosen.append(RegionRoots(Discs(centre, cover), symbol.decaying))
+    return Region(covers, tuple(chosen))
+
+
+def _by_branch(x: ComplexArray) -> ComplexArray:
+    """(N, branches, n) as (branches * N, n)."""
+    return x.transpose(1, 0, 2).reshape(-1, x.shape[2])
 
 
 def homogeneous(pair: tuple[Ring, Ring], degree: int) -> list[Ring]:
@@ -136,14 +213,13 @@ def _symbol(symbol: SymbolTable, pair: tuple[Ring, Ring]) -> Ring:
     return joined([_evaluated(each, basis) for each in symbol.powers], lambda parts: np.stack(parts, 1))
 
 
-def _decaying(found: RootDiscs, count: int) -> tuple[np.ndarray, Mask]:  # type: ignore[type-arg]
-    """The order by modulus, and whether exactly ``count`` roots are proved inside and the rest outside the unit circle."""
+def _inside(found: RootDiscs) -> tuple[Mask, Mask]:
+    """Which roots are inside the unit circle (N, n), and whether that is proved for all of them (N,)."""
     size = np.abs(found.centre)
-    order = np.argsort(size, axis=1)
     with np.errstate(invalid="ignore"):
-        inside = (size * UP + found.cover < 1).sum(axis=1)
-        outside = (size * (2 - UP) - found.cover > 1).sum(axis=1)
-    return order, (inside == count) & (outside == found.centre.shape[1] - count)
+        inside = size * UP + found.cover < 1
+        outside = size * (2 - UP) - found.cover > 1
+    return inside, (inside | outside).all(axis=1)
 
 
 def _matrix(tables: Tables, roots: Sequence[Ring], pair: tuple[Ring, Ring]) -> Ring:

@@ -57,7 +57,7 @@ def test_everything_has_a_place() -> None:
         (("a", "b", 2, 0), 3, 18, "2.5"),
         (("q.A",), 4, 14, "'lit\"eral'"),
         (("t", "u v", "when"), 7, 8, "1979-05-27 07:32:00"),
-        (("t", "u v", "inline", "y", "z", 0, "w"), 8, 36, "true"),
+        (("t", "u v", "inline", "y", "z", 0, "w"), 8, 33, "true"),
         (("t", "u v", "many"), 9, 8, "'''\n'''''"),
         (("t", "list", 0, "k"), 13, 5, '"""two\nlines"""'),
         (("t", "list", 1, "sub", "k"), 17, 5, "-inf"),
