@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, TypeVar, cast
 from gks.errors import ParameterError, TooLarge
 
 if TYPE_CHECKING:
+    from gks.bounds.audit import Audit
     from gks.bounds.curve import Curve
     from gks.bounds.sweep import Sweep
     from gks.modes import ModesResult
@@ -81,6 +82,13 @@ class LoadedScheme:
         if len(sweeps) > 1:
             raise ParameterError(f"{len(sweeps)} parameters run", expected="one at most", mend="set the others")
         return pictured(curve(self.scheme, self.scheme.values(fixed), sweeps[0] if sweeps else None))
+
+    def audit(self) -> Audit:
+        """The file's claims held against what is derived; a march stands beside each claim that fails."""
+        from gks.bounds.audit import audit
+        from gks.solvers.march import march
+
+        return audit(self.scheme, march)
 
     def march(
         self,

@@ -81,6 +81,9 @@ def parser() -> argparse.ArgumentParser:
         dest="outputs",
         help="write to OUT instead; its ending says what: .csv .json .png .svg .pdf (may be repeated)",
     )
+    audit = command("audit", "the claims of a scheme file, held against what is derived", file=False)
+    audit.add_argument("file", metavar="FILE", nargs="?", help="a scheme file, or the name of a shipped scheme")
+    audit.add_argument("--all", action="store_true", help="audit every shipped scheme instead, as one table")
     march = parametrised("march", "growth per step observed in a march, beside what the modes predict")
     march.add_argument("--cells", type=_count, metavar="N", help="cells a side (default: as many as the modes need)")
     march.add_argument("--steps", type=_count, metavar="N", help="steps (default: as many as the growth needs)")

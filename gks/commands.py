@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Protocol
 
@@ -94,6 +95,27 @@ def _curve(arguments: Namespace) -> str:
     return "\n".join(writers) if writers and not arguments.json else _shown(result, arguments)
 
 
+def _audit(arguments: Namespace) -> str:
+    if arguments.all:
+        if arguments.file is not None:
+            raise InputError(f"both --all and {quoted(arguments.file)}", mend="leave one of the two out")
+        from gks.bounds.audit import audit_catalogue
+        from gks.solvers.march import march
+
+        return _shown(audit_catalogue(march, _said_to_a_terminal), arguments)
+    if arguments.file is None:
+        raise InputError("nothing to audit", expected="expected FILE or --all")
+    from gks.api import load
+
+    return _shown(load(arguments.file).audit(), arguments)
+
+
+def _said_to_a_terminal(progress: str) -> None:
+    """Progress on standard error, where someone is looking."""
+    if sys.stderr.isatty():
+        print(progress, file=sys.stderr)
+
+
 def _march(arguments: Namespace) -> str:
     from gks.api import load
 
@@ -130,11 +152,9 @@ def _write_json(curve: Curve, path: str) -> None:
 
 
 def _draw(curve: Curve, path: str) -> None:
-    from gks.files import whole_file
     from gks.reports.figures import save_curve
 
-    with whole_file(path) as draft:
-        save_curve(curve, draft)
+    save_curve(curve, path)
 
 
 _COMMANDS: dict[str, Callable[[Namespace], str]] = {
@@ -143,5 +163,6 @@ _COMMANDS: dict[str, Callable[[Namespace], str]] = {
     "derive": _derive,
     "modes": _modes,
     "curve": _curve,
+    "audit": _audit,
     "march": _march,
 }

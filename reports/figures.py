@@ -1,40 +1,32 @@
 """Pictures of stable-CFL curves: functions that take data and an Axes, and files written whole or not at all.
 
-Matplotlib is imported when something is drawn, never its pyplot, and neither the user's settings nor the date enters:
-the same curve gives the same bytes.
+The same curve gives the same bytes (see `canvas`).
 """
 
 from __future__ import annotations
 
-import io
-import os
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import groupby
-from math import ceil, floor, inf, isfinite, isnan, log10, nan
-from typing import TYPE_CHECKING
+from itertools import groupby, pairwise
+from math import inf, isfinite, isnan, log10, nan
+from typing import TYPE_CHECKING, Any
 
 from gks.files import whole_file
 from gks.modes.printing import latex_name
+from gks.reports.canvas import DOUBLE_DECADES, format_of, image, label_of, mark_decades, new_figure, plain, styled
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.axis import Axis
-    from matplotlib.figure import Figure
 
     from gks.bounds.curve import Curve, CurvePoint, Number
-    from gks.scheme.model import Scheme
 
-STYLE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "gks.mplstyle")
-
-FORMATS = ("png", "svg", "pdf")
-
-CLOSURE = {"color": "#0072B2", "linestyle": "-", "linewidth": 1.8}
-INTERIOR = {"color": "#222222", "linestyle": (0, (4, 1.6)), "linewidth": 1.8}
-FURTHER = {"color": "#0072B2", "linestyle": "-", "linewidth": 0.8}
-STABLE = {"facecolor": "#dfe9f0", "edgecolor": "none"}
-OPEN = {"color": "#D55E00", "marker": "x", "linestyle": "none"}
+CLOSURE: dict[str, Any] = {"color": "#0072B2", "linestyle": "-", "linewidth": 1.8}
+INTERIOR: dict[str, Any] = {"color": "#222222", "linestyle": (0, (4, 1.6)), "linewidth": 1.8}
+FURTHER: dict[str, Any] = {"color": "#0072B2", "linestyle": "-", "linewidth": 0.8}
+STABLE: dict[str, Any] = {"facecolor": "#dfe9f0", "edgecolor": "none"}
+UNBOUNDED: dict[str, Any] = {"color": "#222222", "linestyle": "-", "linewidth": 4, "solid_capstyle": "butt"}
+NOWHERE: dict[str, Any] = {**UNBOUNDED, "color": "#0072B2"}
+OPEN: dict[str, Any] = {"color": "#D55E00", "marker": "x", "linestyle": "none"}
 
 DECADES = 100.0
 """lam_max has a logarithmic axis over a logarithmic sweep when it spans more than this factor."""
@@ -80,17 +72,10 @@ class _Run:
 
 
 def save_curve(curve: Curve, path: str) -> None:
-    """Draw the curve into a .png, .svg or .pdf file, which is written whole or not at all; ValueError for another ending."""
-    content = _curve_bytes(curve, _format_of(path))
+    """Draw the curve into a .png, .svg or .pdf file, written whole or not at all; ValueError for another ending."""
+    content = _curve_bytes(curve, format_of(path))
     with whole_file(path) as draft, open(draft, "wb") as file:
         file.write(content)
-
-
-def _format_of(path: str) -> str:
-    kind = os.path.splitext(path)[1].lower().removeprefix(".")
-    if kind not in FORMATS:
-        raise ValueError(f"{path!r} ends in none of {', '.join(FORMATS)}")
-    return kind
 
 
 def curve_svg(curve: Curve) -> str:
@@ -112,37 +97,7 @@ def _curve_bytes(curve: Curve, kind: str) -> bytes:
         return image(figure, kind, curve.scheme.title)
 
 
-@contextmanager
-def styled() -> Iterator[None]:
-    """Matplotlib's defaults with this package's style, whatever the user's own settings; put back afterwards."""
-    import matplotlib
-
-    with matplotlib.rc_context(fname=STYLE):
-        yield
-
-
-def new_figure() -> tuple[Figure, Axes]:
-    """A figure of one Axes that no window system knows of."""
-    from matplotlib.figure import Figure
-
-    figure = Figure()
-    return figure, figure.add_subplot()
-
-
-def image(figure: Figure, kind: str, title: str) -> bytes:
-    """The figure as a file's content ("png", "svg" or "pdf"), without date or program version."""
-    title = " ".join("".join(c if c.isprintable() else " " for c in title).split())
-    metadata: dict[str, Mapping[str, str | None]] = {
-        "png": {"Software": None, "Title": title},
-        "svg": {"Date": None, "Creator": None, "Title": title},
-        "pdf": {"CreationDate": None, "Producer": None, "Creator": None, "Title": title},
-    }
-    target = io.BytesIO()
-    figure.savefig(target, format=kind, metadata=metadata[kind])
-    return target.getvalue()
-
-
-# A curve on an Axes -----------------------------------------------------------------------------------------------------
+# A curve on an Axes ---------------------------------------------------------------------------------------------------
 
 
 def draw_curve(curve: Curve, axes: Axes) -> None:
@@ -152,20 +107,21 @@ def draw_curve(curve: Curve, axes: Axes) -> None:
     crosses on the lower axis, an unbounded lam_max is a bar along the upper edge. A curve of a single point is drawn as
     its stable set on a lam axis.
     """
-    axes.set_title(_plain(curve.scheme.title), loc="left", wrap=True)
-    if _is_point(curve):
+    axes.set_title(plain(curve.scheme.title), loc="left", wrap=True)
+    sweep = curve.sweep
+    if sweep is None or _is_point(curve):
         _draw_point(curve, axes)
         return
     spots = sorted(filter(lambda s: isfinite(s.x), map(_spot, curve.points)), key=lambda s: s.x)
-    if curve.sweep.logarithmic:
+    if sweep.logarithmic:
         axes.set_xscale("log")
-    logarithmic = _set_lam_axis(axes, spots, logarithmic=curve.sweep.logarithmic)
-    runs = _runs(spots, logarithmic=curve.sweep.logarithmic)
+    logarithmic = _set_lam_axis(axes, spots, logarithmic=sweep.logarithmic)
+    runs = _runs(spots, logarithmic=sweep.logarithmic)
     if spots:
         axes.set_xlim(spots[0].x, spots[-1].x)
     for axis, (low, high) in ((axes.xaxis, axes.get_xlim()), (axes.yaxis, axes.get_ylim())):
         if axis.get_scale() == "log":
-            _mark_decades(axis, low, high)
+            mark_decades(axis, low, high)
     for run in runs:
         _draw_run(run, axes)
     _draw_edges(runs, axes, logarithmic=logarithmic)
@@ -198,7 +154,7 @@ def _draw_limit(run: _Run, axes: Axes) -> None:
     xs = run.xs()
     heights = [run.spots[0].lam_max, *(spot.lam_max for spot in run.spots), run.spots[-1].lam_max]
     by = [run.spots[0].limited_by, *(spot.limited_by for spot in run.spots), run.spots[-1].limited_by]
-    pieces = ["interior" if a == b == "interior" else "closure" for a, b in zip(by, by[1:], strict=False)]
+    pieces = ["interior" if a == b == "interior" else "closure" for a, b in pairwise(by)]
     start = 0
     for kind, group in groupby(pieces):
         stop = start + len(list(group))
@@ -208,7 +164,7 @@ def _draw_limit(run: _Run, axes: Axes) -> None:
 
 
 def _draw_edges(runs: Sequence[_Run], axes: Axes, *, logarithmic: bool) -> None:
-    """What has no place between the axes: unbounded lam_max above, lam_max = 0 below a logarithmic axis, open points."""
+    """What has no place between the axes: lam_max unbounded, or 0 on a logarithmic axis; undecided points."""
     across = axes.get_xaxis_transform()
     for run in runs:
         ends, first = [run.left, run.right], run.spots[0]
@@ -216,9 +172,9 @@ def _draw_edges(runs: Sequence[_Run], axes: Axes, *, logarithmic: bool) -> None:
             xs = [spot.x for spot in run.spots]
             axes.plot(xs, [0.0] * len(xs), transform=across, clip_on=False, zorder=5, **OPEN)
         elif first.lam_max == inf:
-            axes.plot(ends, [1, 1], transform=across, clip_on=False, color="#222222", linewidth=4, solid_capstyle="butt")
+            axes.plot(ends, [1, 1], transform=across, clip_on=False, **UNBOUNDED)
         elif first.lam_max == 0 and logarithmic:
-            axes.plot(ends, [0, 0], transform=across, clip_on=False, linewidth=4, solid_capstyle="butt", color="#0072B2")
+            axes.plot(ends, [0, 0], transform=across, clip_on=False, **NOWHERE)
 
 
 def _explain(axes: Axes, spots: Sequence[_Spot], left_out: int, curve: Curve) -> None:
@@ -228,7 +184,7 @@ def _explain(axes: Axes, spots: Sequence[_Spot], left_out: int, curve: Curve) ->
 
     assert curve.sweep is not None
     scheme, name = curve.scheme, curve.sweep.name
-    axes.set_xlabel(_label(scheme, name))
+    axes.set_xlabel(label_of(scheme, name))
     axes.set_ylabel(f"largest stable ${latex_name(scheme.cfl)}$")
     limits = {spot.limited_by for spot in spots if spot.lam_max != inf}
     handles: list[Line2D | Patch] = []
@@ -239,9 +195,9 @@ def _explain(axes: Axes, spots: Sequence[_Spot], left_out: int, curve: Curve) ->
     if any(spot.spans for spot in spots):
         handles.append(Patch(label="stable", **{**STABLE, "edgecolor": "#8fa9b8"}))
     if any(spot.lam_max == inf for spot in spots):
-        handles.append(Line2D([], [], label="unbounded", color="#222222", linewidth=4))
+        handles.append(Line2D([], [], label="unbounded", **UNBOUNDED))
     if axes.get_yscale() == "log" and any(spot.lam_max == 0 for spot in spots):
-        handles.append(Line2D([], [], label=f"no stable ${latex_name(scheme.cfl)}$ next to 0", color="#0072B2", linewidth=4))
+        handles.append(Line2D([], [], label=f"no stable ${latex_name(scheme.cfl)}$ next to 0", **NOWHERE))
     if any(not spot.resolved for spot in spots):
         handles.append(Line2D([], [], label="undecided", **OPEN))
     if left_out:
@@ -268,38 +224,20 @@ def _set_lam_axis(axes: Axes, spots: Sequence[_Spot], *, logarithmic: bool) -> b
     return logarithmic
 
 
-def _mark_decades(axis: Axis, low: float, high: float) -> None:
-    """Ticks of an axis over very many decades; matplotlib's own reach for the next one, beyond the doubles."""
-    from matplotlib.ticker import FixedLocator, NullLocator
-
-    first, last = ceil(log10(low)), floor(log10(high))
-    if last - first > MOST_DECADES:
-        step = ceil((last - first) / 8)
-        axis.set_major_locator(FixedLocator([10.0**k for k in range(-(-first // step) * step, last + 1, step)]))
-        axis.set_minor_locator(NullLocator())
-
-
-DOUBLE_DECADES = 307
-"""Powers of ten up to this are normal doubles."""
-
-MOST_DECADES = 60
-"""Beyond these, decades are too narrow for ticks of their own."""
-
-
 def _is_point(curve: Curve) -> bool:
     return curve.sweep is None or len(set(curve.sweep.values)) == 1
 
 
-# Several curves ---------------------------------------------------------------------------------------------------------
+# Several curves -------------------------------------------------------------------------------------------------------
 
 
 def save_comparison(curves: Mapping[str, Curve], path: str, title: str) -> None:
     """Draw several curves over one sweep into a file, as `save_curve` does."""
-    kind = _format_of(path)
+    kind = format_of(path)
     with styled():
         figure, axes = new_figure()
         draw_comparison(curves, axes)
-        axes.set_title(_plain(title))
+        axes.set_title(plain(title))
         content = image(figure, kind, title)
     with whole_file(path) as draft, open(draft, "wb") as file:
         file.write(content)
@@ -322,13 +260,13 @@ def draw_comparison(curves: Mapping[str, Curve], axes: Axes) -> None:
         heights = [spot.lam_max if isfinite(spot.lam_max) else nan for spot in each]
         axes.plot([spot.x for spot in each], heights, label=label)
     scheme = next(iter(curves.values())).scheme
-    axes.set_xlabel(_label(scheme, name))
+    axes.set_xlabel(label_of(scheme, name))
     axes.set_ylabel(f"largest stable ${latex_name(scheme.cfl)}$")
     axes.margins(x=0)
     axes.figure.legend(loc="outside lower center", ncols=min(3, len(curves)))
 
 
-# One point --------------------------------------------------------------------------------------------------------------
+# One point ------------------------------------------------------------------------------------------------------------
 
 
 def _draw_point(curve: Curve, axes: Axes) -> None:
@@ -351,10 +289,10 @@ def _draw_point(curve: Curve, axes: Axes) -> None:
     words = "stable, ends excluded" if spot.spans else f"stable for no ${name}$"
     if spot.spans and spot.spans[-1][1] == inf:
         words = "stable, without an upper end"
-    axes.text(0.0, -0.85, words if spot.resolved else f"undecided: {_plain(curve.points[0].because)}", fontsize=8)
+    axes.text(0.0, -0.85, words if spot.resolved else f"undecided: {plain(curve.points[0].because)}", fontsize=8)
 
 
-# Numbers, runs, words ---------------------------------------------------------------------------------------------------
+# Numbers, runs, words -------------------------------------------------------------------------------------------------
 
 
 def _spot(point: CurvePoint) -> _Spot:
@@ -374,7 +312,7 @@ def _double(number: Number | None) -> float:
 
 def _runs(spots: Sequence[_Spot], *, logarithmic: bool) -> list[_Run]:
     groups = [tuple(group) for _, group in groupby(spots, key=lambda spot: spot.shape)]
-    cuts = [_middle(a[-1].x, b[0].x, logarithmic=logarithmic) for a, b in zip(groups, groups[1:], strict=False)]
+    cuts = [_middle(a[-1].x, b[0].x, logarithmic=logarithmic) for a, b in pairwise(groups)]
     lefts = [spots[0].x, *cuts] if spots else []
     rights = [*cuts, spots[-1].x] if spots else []
     return [_Run(group, left, right) for group, left, right in zip(groups, lefts, rights, strict=True)]
@@ -388,18 +326,3 @@ def _thinned(count: int) -> list[int]:
     """Indices of at most about MOST_VERTICES of so many points, both ends among them."""
     step = max(1, count // MOST_VERTICES)
     return sorted({*range(0, count, step), count - 1})
-
-
-def _label(scheme: Scheme, name: str) -> str:
-    """The parameter as mathematics, with the file's own words for it where they are short."""
-    doc = scheme.parameter(name).doc
-    return f"${latex_name(name)}$" + (f"  ({_plain(doc)})" if 0 < len(doc) <= LONGEST_DOC else "")
-
-
-LONGEST_DOC = 60
-"""Characters of a parameter's description that fit under an axis."""
-
-
-def _plain(text: str) -> str:
-    """A file's text as a label: one line, and no dollar sign starts mathematics."""
-    return " ".join(text.split()).replace("$", r"\$")

@@ -14,7 +14,7 @@ from time import perf_counter
 from typing import Protocol
 
 from gks.bounds.boundclaim import hold_bound
-from gks.bounds.finding import Finding, Status, Values, point_text, undecided
+from gks.bounds.finding import Finding, Status, point_text, undecided
 from gks.bounds.pointclaim import hold_modulus, hold_verdict
 from gks.errors import GksError, InputError
 from gks.scheme.model import Claim, Scheme
@@ -99,7 +99,8 @@ class CatalogueAudit:
             status = "holds" if held.status is Status.HOLDS else held.status.value.upper()
             lines.append(f"{name:<{width}}  {status:<9}  {held.claim.source}")
             if held.status is not Status.HOLDS:
-                lines.append(f"{'':<{width}}  {'':<9}    claimed {statement(held.claim)}; derived {held.finding.derived}")
+                lines.append(f"{'':<{width}}  {'':<9}    claimed  {statement(held.claim)}")
+                lines.append(f"{'':<{width}}  {'':<9}    derived  {held.finding.derived}")
         total = sum(audit.time_s for audit in self.audits)
         return "\n".join([*lines, f"({_count([held for _, held in rows])}, {total:.3g} s)"])
 
@@ -178,10 +179,10 @@ def _march_text(march: Mapping[str, object]) -> str:
     if "refused" in march:
         return f"none: {march['refused']}"
     observed, predicted, uncertainty = (march[key] for key in ("observed", "predicted", "uncertainty"))
-    text = f"grows by {_short(observed)} a step (± {_short(uncertainty, 2)})"
+    text = f"growth per step {_short(observed)} ± {_short(uncertainty, 2)}"
     if predicted is None:
-        return f"{text}; no mode is admissible"
-    return f"{text}, {'as' if march['agrees'] else 'NOT as'} predicted, {_short(predicted)}"
+        return f"{text}; no mode is admissible, none predicted"
+    return f"{text}, {'as' if march['agrees'] else 'NOT as'} predicted ({_short(predicted)})"
 
 
 def _short(number: object, digits: int = 7) -> str:
@@ -192,6 +193,3 @@ def _count(held: Sequence[Held]) -> str:
     numbers = [(status.value, sum(each.status is status for each in held)) for status in Status]
     said = ", ".join(f"{number} {name}" for name, number in numbers if number)
     return f"{len(held)} claim{'s' * (len(held) != 1)}: {said or 'none'}"
-
-
-__all__ = ["Audit", "CatalogueAudit", "Held", "Marcher", "Values", "audit", "audit_catalogue", "statement"]

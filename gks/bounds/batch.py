@@ -1,13 +1,15 @@
 """The stable set over a whole sweep at once, where the closure modes do not depend on lam.
 
-Under the method of lines with a one-level closure the modes are the roots s of a polynomial N(s; p) whose coefficients are
+Under the method of lines with a one-level closure the modes are the roots s of a polynomial N(s; p) whose coefficients
+are
 polynomials in the swept parameter p. Where every field has its decaying solutions on one sheet (the first-order upwind
 family: no spatial root has to be chosen), N is Delta itself. Then for a lam that is Cauchy-stable every root s with a z
 outside the circle is a normal mode, since all decaying roots decay there; so the stable set is
 
     Cauchy set of the interior  intersected with  {lam: all z of pi(z, lam s) = 0 are inside} over the roots s,
 
-both known in closed form or as roots of small real polynomials. All of it runs over arrays in double-double arithmetic with
+both known in closed form or as roots of small real polynomials. All of it runs over arrays in double-double arithmetic
+with
 proved error bounds; a point that they do not settle is left to the exact route.
 """
 
@@ -19,6 +21,7 @@ from fractions import Fraction
 
 import numpy as np
 from flint import fmpz_mpoly
+from numpy.typing import NDArray
 
 from gks.bounds.rays import Intervals, everything, intersect, stable_intervals
 from gks.bounds.sweep import Point
@@ -38,7 +41,9 @@ from gks.modes.unimodular import rational_ends
 from gks.scheme.model import NamedLines, Scheme
 
 SAFE_BITS = 900
-"""Products of powers of p and coefficients are kept below 2**900, where double-double arithmetic neither over- nor underflows."""
+"""Products of powers of p and coefficients are kept below 2**900, where double-double arithmetic neither over- nor
+underflows.
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,7 +128,8 @@ def _closure(problem: NormalModeProblem, factor: fmpz_mpoly, swept: str, paramet
 def _at(polynomial: fmpz_mpoly, swept: str, parameter: Real) -> tuple[Real, Array]:
     """A polynomial in the swept parameter, at all points, with a bound of the absolute error.
 
-    Horner's rule in double-double: every step adds at most 16 u**2 of the sum of absolute values, which is run beside it.
+    Horner's rule in double-double: every step adds at most 16 u**2 of the sum of absolute values, which is run beside
+    it.
     """
     zero = np.zeros_like(parameter.hi)
     total, size = Real(zero, zero), zero
@@ -205,7 +211,9 @@ def _scaled(limits: CauchySet, speed: Real) -> Intervals:
             (result.hi, result.hi_error, interval.high),
         ):
             value = _double(end)
-            exact = value in (0.0, float("inf")) or (end is not None and end.rational == Fraction(value) and _is_one(speed))
+            exact = value in (0.0, float("inf")) or (
+                end is not None and end.rational == Fraction(value) and _is_one(speed)
+            )
             ends[:, k] = value / speed.hi
             errors[:, k] = 0.0 if exact else 8 * UNIT
     return result
@@ -221,7 +229,7 @@ def _double(end: Root | None) -> float:
     return 0.0 if end.is_zero else float(sum(rational_ends(end.ball().real)) / 2)
 
 
-def _same_signs(problem: NormalModeProblem, swept: str, parameter: Real) -> Array:
+def _same_signs(problem: NormalModeProblem, swept: str, parameter: Real) -> NDArray[np.bool_]:
     """Where every speed has the sign it has at the sample: elsewhere the upwinding is another one."""
     good = np.ones(len(parameter.hi), bool)
     coefficients: Coefficients = problem.coefficients

@@ -9,11 +9,12 @@ from fractions import Fraction
 from gks.bounds.cfl import StableSet, stable_set
 from gks.bounds.claimvalue import both_sides, compare, number_of, printed_decimal, rounds_to, value_of
 from gks.bounds.finding import Counterexample, Finding, Status, Values, exact_text, undecided, witness
-from gks.bounds.samples import open_parameters, samples, simplest_between
+from gks.bounds.samples import open_parameters, samples
 from gks.errors import NotAnalysable, ParameterError, SchemeError
 from gks.modes.algebraic import Root
 from gks.modes.analysis import analyse
 from gks.modes.numerals import text_real
+from gks.modes.unimodular import simplest_between
 from gks.modes.verdict import Verdict
 from gks.scheme.expression import Expr
 from gks.scheme.model import Claim, Scheme
@@ -153,7 +154,7 @@ def _log2(ratio: Fraction) -> float:
     return ratio.numerator.bit_length() - ratio.denominator.bit_length()
 
 
-# Counterexamples --------------------------------------------------------------------------------------------------------
+# Counterexamples ------------------------------------------------------------------------------------------------------
 
 
 def _counterexample(scheme: Scheme, claim: Claim, formula: Expr, point: _Held) -> Counterexample | None:
@@ -179,7 +180,7 @@ def _counterexample(scheme: Scheme, claim: Claim, formula: Expr, point: _Held) -
 
 
 def _unstable_gap(formula: Expr, point: _Held) -> tuple[Fraction, Fraction]:
-    """The stretch of the lam axis from lam_max up to the claim or to the next stable interval; low = high for one lam."""
+    """The stretch of lam from lam_max up to the claim or the next stable interval; low = high where it is one lam."""
     assert point.stable is not None
     assert point.lam_max is not None
     claimed, bottom = both_sides(formula, point.values, point.lam_max)

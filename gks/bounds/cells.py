@@ -372,15 +372,25 @@ def _gates(ends: Sequence[Root]) -> list[Fraction]:
 
 
 def between(low: Root | None, high: Root | None) -> Fraction:
-    """The simplest rational in an open interval; None is infinite."""
+    """The rational of least denominator in an open interval (the integer nearest 0 if there is one); None is infinite."""
     bits = START_BITS
     while True:
         with ctx.workprec(bits + GUARD_BITS):
-            bottom = None if low is None else rational_ends(low.ball(bits).real)[1]
-            top = None if high is None else rational_ends(high.ball(bits).real)[0]
-        if bottom is None or top is None or bottom < top:
-            return _simplest(bottom, top)
+            bottom, top = _ends(low, bits), _ends(high, bits)
+        inner = None if bottom is None else bottom[1], None if top is None else top[0]
+        outer = None if bottom is None else bottom[0], None if top is None else top[1]
+        if inner[0] is None or inner[1] is None or inner[0] < inner[1]:
+            answer = _simplest(*inner)
+            if answer == _simplest(*outer):  # else an enclosure is too wide to tell
+                return answer
         bits *= 2
+
+
+def _ends(root: Root | None, bits: int) -> tuple[Fraction, Fraction] | None:
+    if root is None:
+        return None
+    exact = root.rational
+    return rational_ends(root.ball(bits).real) if exact is None else (exact, exact)
 
 
 def _simplest(low: Fraction | None, high: Fraction | None) -> Fraction:

@@ -1,7 +1,9 @@
 """The stable set in lam at one set of parameter values, exactly.
 
-The positive lam axis is cut at the finitely many algebraic numbers where the verdict may change (``modes.critical``, and
-the interior's own Cauchy limits). One exact verdict at a rational lam decides each piece; where two stable pieces meet, an
+The positive lam axis is cut at the finitely many algebraic numbers where the verdict may change (``modes.critical``,
+and
+the interior's own Cauchy limits). One exact verdict at a rational lam decides each piece; where two stable pieces
+meet, an
 exact verdict at the algebraic number between them says whether an isolated unstable lam separates them.
 """
 
@@ -17,12 +19,11 @@ from flint import fmpz_poly
 from gks.errors import InputError
 from gks.modes.algebraic import Root
 from gks.modes.analysis import quick_verdict
-from gks.modes.cauchy_set import CauchySet
+from gks.modes.cauchy_set import CauchySet, rationals_between
 from gks.modes.critical import critical_polynomials, positive_roots
 from gks.modes.interior import interior_limits
 from gks.modes.kreiss import normal_mode_problem, spatial_problem
-from gks.modes.cauchy_set import _between as rationals_between
-from gks.modes.unimodular import by_real_part as ascending
+from gks.modes.unimodular import by_real_part
 from gks.modes.verdict import Verdict
 from gks.scheme.model import Scheme
 
@@ -64,7 +65,7 @@ def stable_set(scheme: Scheme, values: Mapping[str, Fraction]) -> StableSet:
     sample = {**values, scheme.cfl: values.get(scheme.cfl, Fraction(1))}
     interior = interior_limits(spatial_problem(scheme, sample, (scheme.cfl,)))
     closure = positive_roots(_critical(scheme, sample, interior))
-    critical = ascending(_distinct([*_ends(interior), *closure]))
+    critical = by_real_part(_distinct([*_ends(interior), *closure]))
     pieces = [_piece(scheme, values, lam, interior) for lam in rationals_between(critical)]
     return _assembled(scheme, values, critical, pieces, interior)
 
@@ -75,7 +76,7 @@ def _critical(scheme: Scheme, sample: Mapping[str, Fraction], interior: Sequence
     The number of decaying solutions is constant on such a piece, not from one to the next.
     """
     seen: set[tuple[int, ...]] = set()
-    for lam in rationals_between(ascending(_distinct(_ends(interior)))):
+    for lam in rationals_between(by_real_part(_distinct(_ends(interior)))):
         if not all(each.contains(Root.of(lam)) for each in interior):
             continue
         problem = normal_mode_problem(scheme, {**sample, scheme.cfl: lam}, (scheme.cfl,))
@@ -94,7 +95,9 @@ def _ends(sets: Sequence[CauchySet]) -> list[Root]:
     return [end for end in ends if end is not None and not end.is_zero]
 
 
-def _piece(scheme: Scheme, values: Mapping[str, Fraction], lam: Fraction | Root, interior: Sequence[CauchySet]) -> Verdict:
+def _piece(
+    scheme: Scheme, values: Mapping[str, Fraction], lam: Fraction | Root, interior: Sequence[CauchySet]
+) -> Verdict:
     exact = lam if isinstance(lam, Root) else Root.of(lam)
     if not all(each.contains(exact) for each in interior):
         return Verdict.UNSTABLE

@@ -1,7 +1,7 @@
 """The value of a claim's formula, compared exactly with a number that was derived.
 
-A formula with square roots, minima and maxima is evaluated in the exact field of the analysis, so that "equal" is proved
-by algebra and "different" by balls. A decimal that a publication prints stands for every number that rounds to it.
+A formula with square roots, minima and maxima is evaluated in the exact field of the analysis: "equal" is proved by
+algebra, "different" by balls. A decimal that a publication prints stands for every number that rounds to it.
 """
 
 from __future__ import annotations
@@ -140,7 +140,7 @@ def printed_decimal(text: str) -> tuple[Fraction, Fraction] | None:
 
 
 def rounds_to(derived: Root, printed: tuple[Fraction, Fraction]) -> int:
-    """0 if a real number rounds to the decimal printed, else the sign of decimal - number. A tie may round either way."""
+    """0 if a real number rounds to the decimal printed (a tie either way), else the sign of decimal - number."""
     value, half = printed
     if derived < Root.of(value - half):
         return 1

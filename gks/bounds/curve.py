@@ -82,7 +82,9 @@ class Curve:
         return json.dumps(self.to_json(), allow_nan=False)
 
     def to_csv(self) -> str:
-        """Columns: the swept parameter, lam_max, limited_by, error_bound; `inf` for unbounded, empty where undecided."""
+        """Columns: the swept parameter, lam_max, limited_by, error_bound; `inf` for unbounded, empty where
+        undecided.
+        """
         head = [self.sweep.name] if self.sweep else []
         rows = [",".join([*head, "lam_max", "limited_by", "error_bound"])]
         for value, lam, limit, _, error, _, _ in self.points:
@@ -103,12 +105,20 @@ class Curve:
 
     def __str__(self) -> str:
         lines = [self.scheme.title]
-        fixed = {k: v for k, v in self.parameters.items() if k != self.scheme.cfl and (not self.sweep or k != self.sweep.name)}
+        fixed = {
+            k: v
+            for k, v in self.parameters.items()
+            if k != self.scheme.cfl and (not self.sweep or k != self.sweep.name)
+        }
         if fixed:
             lines.append("  at " + ", ".join(f"{name} = {text_real(value)}" for name, value in fixed.items()))
         name = self.sweep.name if self.sweep else ""
         lines.append(f"  {name:<22} {self.scheme.cfl + '_max':<22} limited by  stable set")
-        shown = list(self.points) if len(self.points) <= SHOWN else [*self.points[: SHOWN // 2], None, *self.points[-SHOWN // 2 :]]
+        shown = (
+            list(self.points)
+            if len(self.points) <= SHOWN
+            else [*self.points[: SHOWN // 2], None, *self.points[-SHOWN // 2 :]]
+        )
         lines += [self._line(point) if point is not None else "  ..." for point in shown]
         open_points = sum(not point.resolved for point in self.points)
         tail = f", {open_points} undecided" if open_points else ""
@@ -177,7 +187,7 @@ def _swept(
             progress(done, total)
 
 
-def _batch(scheme: Scheme, values: Mapping[str, Fraction], name: str, block: Sequence[Fraction]) -> BatchSet | None:
+def _batch(scheme: Scheme, values: Mapping[str, Fraction], name: str, block: Sequence[Point]) -> BatchSet | None:
     from gks.bounds.batch import batch
 
     return batch(scheme, values, name, block)

@@ -1,4 +1,4 @@
-"""What holding a claim against the derivation gives: holds, fails or undecided, with what was derived and what shows it."""
+"""What holding a claim against the derivation gives: a status, what was derived, and what shows it."""
 
 from __future__ import annotations
 
@@ -61,7 +61,8 @@ class Counterexample:
     def __str__(self) -> str:
         text = f"at {point_text(self.parameters)}: {self.verdict}"
         if self.mode is not None:
-            text += f", z = {text_complex(self.mode.z)}, abs(z) = {text_real(self.mode.modulus)} ({self.mode.kind.value})"
+            z, modulus = text_complex(self.mode.z), text_real(self.mode.modulus)
+            text += f", z = {z}, abs(z) = {modulus} ({self.mode.kind.value})"
         return text
 
 

@@ -30,7 +30,7 @@ def hold_verdict(scheme: Scheme, claim: Claim) -> Finding:
 
 
 def hold_modulus(scheme: Scheme, claim: Claim, formula: Expr) -> Finding:
-    """A modulus holds if it is that of the largest admissible mode, or, where none is admissible, of the largest root."""
+    """A modulus holds if it is the largest of the admissible modes, or, where none is admissible, of all roots."""
     values = scheme.values(dict(claim.at))
     result = analyse(scheme, values)
     if result.verdict is Verdict.UNDECIDED:

@@ -1,7 +1,7 @@
 """Where a claimed bound is looked at: exact parameter values that spread over the ranges the claim is made for.
 
-A claim speaks of every value of a parameter that it leaves open: of each parameter that has a range, and of each that its
-formula names, unless its `at` sets it. Others are at their defaults.
+A claim speaks of every value of a parameter that it leaves open: of each parameter that has a range, and of each that
+its formula names, unless its `at` sets it. Others are at their defaults.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from itertools import combinations, pairwise
 
 from gks.bounds.claimvalue import difference
 from gks.errors import InputError
+from gks.modes.unimodular import simplest_between
 from gks.scheme.expression import Expr
 from gks.scheme.model import Claim, Parameter, Scheme
 
@@ -119,7 +120,7 @@ def _meeting(one: Expr, other: Expr, sets: Sequence[Values], name: str) -> Itera
             continue
         low, high = before[name], after[name]
         for _ in range(BISECTIONS):
-            middle = simplest_between(low + (high - low) / 4, high - (high - low) / 4)
+            middle = _simplest(low + (high - low) / 4, high - (high - low) / 4)
             here = _sign(one, other, {**before, name: middle})
             if not here:
                 yield {**before, name: middle}
@@ -127,7 +128,7 @@ def _meeting(one: Expr, other: Expr, sets: Sequence[Values], name: str) -> Itera
             low, high = (middle, high) if here == sign else (low, middle)
         else:
             # A meeting point that is a short fraction is the simplest one in its bracket.
-            yield {**before, name: simplest_between(low, high)}
+            yield {**before, name: _simplest(low, high)}
         yield {**before, name: low}
         yield {**before, name: high}
 
@@ -139,18 +140,8 @@ def _sign(one: Expr, other: Expr, values: Values) -> int | None:
         return None  # one of them has no value here
 
 
-def simplest_between(low: Fraction, high: Fraction) -> Fraction:
-    """The fraction with the smallest denominator (then numerator) strictly between two numbers, low < high."""
+def _simplest(low: Fraction, high: Fraction) -> Fraction:
+    """`simplest_between` for ends of any sign."""
     if low < 0 < high:
         return Fraction(0)
-    if high <= 0:
-        return -simplest_between(-high, -low)
-    whole = low.numerator // low.denominator
-    if whole + 1 < high:
-        return Fraction(whole + 1)
-    # low and high lie in [whole, whole + 1]: go on with the reciprocals of what is left.
-    rest_low, rest_high = low - whole, high - whole
-    if rest_low == 0:
-        below = 1 / rest_high
-        return whole + Fraction(1, below.numerator // below.denominator + 1)
-    return whole + 1 / simplest_between(1 / rest_high, 1 / rest_low)
+    return simplest_between(low, high) if low >= 0 else -simplest_between(-high, -low)

@@ -44,7 +44,9 @@ def parse_sweep(text: str) -> Sweep:
     low, high = _number(name, parts[0]), _number(name, parts[1])
     if not parts[2].isascii() or not parts[2].isdigit() or len(parts[2]) > 8 or not 1 <= int(parts[2]) <= MAX_POINTS:
         raise ParameterError(
-            f"{quoted(parts[2])} is not a number of points", path=name, expected=f"a whole number from 1 to {MAX_POINTS}"
+            f"{quoted(parts[2])} is not a number of points",
+            path=name,
+            expected=f"a whole number from 1 to {MAX_POINTS}",
         )
     return sweep(name.strip(), low, high, int(parts[2]), logarithmic=len(parts) == 4 and parts[3] == "log")
 

@@ -9,21 +9,21 @@ there are simple). With q the multiplicity of x0 the branches near (z0, x0) are,
 
     eta**q = -(b / a) eps,    x = x0 (1 + eta),    a = x0**q P_{x..x} / q!,    b = z0 dP/dz,
 
-and eps > 0 moves a branch inside when Re eta < 0. For q = 1 this is the sign of the group velocity (Trefethen, J. Comput.
+and eps > 0 moves a branch inside when Re eta < 0. For q = 1 this is the sign of the group velocity (Trefethen, J.
+Comput.
 Phys. 49 (1983), eq. 3.4), for q > 1 a glancing point. A branch with Re eta = 0 to leading order would leave the circle
 sideways and break Cauchy stability, so the sign is always decided by balls at some precision.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from math import factorial
 
 from flint import acb, arb, ctx, fmpz_mpoly
 
 from gks.modes.algebraic import GUARD_BITS, START_BITS, Position, Root
-from gks.modes.fibre import FibreRoot, at_balls, fibre, is_zero
+from gks.modes.fibre import FibreRoot, VanishesIdentically, at_balls, fibre, is_zero
 from gks.modes.kreiss import Family, NormalModeProblem
 from gks.modes.undecided import Undecided
 
@@ -72,7 +72,10 @@ def point_of(problem: NormalModeProblem, candidate: Candidate) -> dict[str, Root
 def admissible(problem: NormalModeProblem, family: Family, candidate: Candidate) -> Admissible:
     """Splits the spatial roots at a candidate; Undecided where a direction stays open."""
     point = point_of(problem, candidate)
-    roots = fibre(point, family.polynomial, "x")
+    try:
+        roots = fibre(point, family.polynomial, "x")
+    except VanishesIdentically:
+        raise Undecided("every spatial factor solves the interior scheme at this z") from None
     inside = tuple(r for r in roots if r.position is Position.INSIDE)
     circle = [r for r in roots if r.position is Position.ON]
     if candidate.position is not Position.ON or not circle:
@@ -149,4 +152,3 @@ def _inward(ratio: acb, q: int) -> int | None:
             return None
         count += int(branch < 0)
     return count
-

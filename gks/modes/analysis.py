@@ -117,7 +117,9 @@ def _judge(
 
 
 def _modes_beside(interior: str | None, problem: NormalModeProblem) -> tuple[list[Mode], list[str]]:
-    """The modes; where the interior is unstable they are a courtesy, and what keeps them from being found is no fault."""
+    """The modes; where the interior is unstable they are a courtesy, and what keeps them from being found is no
+    fault.
+    """
     if interior is None:
         return _modes(problem)
     try:
@@ -244,7 +246,8 @@ def _columns(space: _Space) -> int:
 def _has_kernel(problem: NormalModeProblem, candidate: Candidate, space: _Space) -> bool:
     """Whether the closure annihilates an admissible solution, by the cheapest proof.
 
-    Balls that leave no doubt; else, where the admissible solutions are one of the choices that the norm runs over, that no
+    Balls that leave no doubt; else, where the admissible solutions are one of the choices that the norm runs over,
+    that no
     other choice vanishes; else the exact rank with its bound on algebraic numbers.
     """
     columns = _columns(space)
@@ -325,4 +328,3 @@ def _kappas(
                 seen.add(root)
                 ball = root.ball(OUTPUT_BITS)
                 yield midpoint(ball if right else 1 / ball)
-

@@ -97,7 +97,7 @@ def _cauchy_set(poly: fmpz_mpoly, point: Point, z: str, kappa: str, lam: str) ->
             return False
 
     critical = critical_values(factored(poly, point, z=z, kappa=kappa), lam)
-    cells = [stable(Root.of(sample)) for sample in _between(critical)]
+    cells = [stable(Root.of(sample)) for sample in rationals_between(critical)]
     intervals: list[CauchyInterval] = []
     for k, (low, high) in enumerate(zip([Root.of(0), *critical], [*critical, None], strict=True)):
         if not cells[k]:
@@ -204,7 +204,7 @@ def _nonzero(poly: fmpz_mpoly, lam: str) -> Iterator[fmpz_poly]:
         yield univariate(poly, lam)
 
 
-def _between(critical: list[Root]) -> list[Fraction]:
+def rationals_between(critical: list[Root]) -> list[Fraction]:
     """The simplest rational in each of the open intervals that the ascending ``critical`` cut from (0, inf)."""
     bits = START_BITS
     while True:

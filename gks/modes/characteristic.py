@@ -82,6 +82,7 @@ def fields_of(half_line: HalfLine, coefficients: Coefficients, resolvent: Resolv
 
 
 def mirrored(half_line: HalfLine, index: int) -> int:
+    """An index, or an offset, as the mirrored half-line counts it."""
     return index if half_line.side == "right" else -index
 
 
@@ -236,7 +237,7 @@ def _rayleigh(matrix: Matrix, vector: Sequence[Ratio], coefficients: Coefficient
 
 def _coupled(half_line: HalfLine) -> NotAnalysable:
     return NotAnalysable(
-        f"domain {half_line.name}: its unknowns are coupled so that no change of basis separates them into scalar fields",
+        f"domain {half_line.name}: no change of basis separates its unknowns into scalar fields",
         expected="coefficient matrices that can be diagonalised together",
     )
 
@@ -264,7 +265,7 @@ def eigenvectors(matrix: Matrix, coefficients: Coefficients, what: str) -> list[
         basis = kernel(shifted, coefficients)
         if len(basis) != multiplicity:
             raise ParameterError(
-                f"{what} has the eigenvalue {value.num}/{value.den} {multiplicity} times with {len(basis)} eigenvectors",
+                f"{what} has an eigenvalue {multiplicity} times with {len(basis)} eigenvectors",
                 expected="a full set of eigenvectors (a hyperbolic system)",
             )
         found.append((value, basis))

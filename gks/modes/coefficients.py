@@ -34,6 +34,7 @@ SIGN_BITS = 1 << 14
 
 
 def fraction_of(value: fmpq) -> Fraction:
+    """A FLINT rational as a Fraction."""
     return Fraction(int(value.p), int(value.q))
 
 
@@ -94,7 +95,8 @@ class Generator:
 class Coefficients:
     """The field the analysis of one scheme works in; also the algebra that ``Expr.fold`` evaluates in.
 
-    ``values`` gives every parameter a value, rational or algebraic; those named in ``symbols`` stay variables all the same, and their
+    ``values`` gives every parameter a value, rational or algebraic; those named in ``symbols`` stay variables all the
+    same, and their
     value only says which branch a sign or a square root takes.
     """
 

@@ -7,8 +7,6 @@ from dataclasses import dataclass
 from fractions import Fraction
 from math import lcm
 
-from flint import fmpz_mpoly
-
 from gks.errors import NotAnalysable
 from gks.modes.coefficients import Coefficients, Ratio
 from gks.modes.fibre import coefficients as powers_of
@@ -80,13 +78,16 @@ def _derivation(problem: NormalModeProblem, factors: Sequence[Factor]) -> Deriva
     method = resolvent.integrator
     if method is None:
         letter, variable = "z", _free("z", taken)
-        mapped, text, latex = list(factors), f"{variable} = {variable}", f"{latex_name(variable)} = {latex_name(variable)}"
+        mapped = list(factors)
         text, latex = f"z = {variable}", f"z = {latex_name(variable)}"
     else:
         speed = _common_speed(problem)
         if speed is not None:
             letter, variable = "x", _free("r", taken)
-            mapped = [_substituted(f, coefficients, speed * (_gen(coefficients, "x") - _one(coefficients)), "x") for f in factors]
+            mapped = [
+                _substituted(f, coefficients, speed * (_gen(coefficients, "x") - _one(coefficients)), "x")
+                for f in factors
+            ]
             argument = _shift(speed, variable, names, coefficients)
             text, latex = root_map(method, problem.scheme.cfl, *argument)
         elif method.kind == "multistep":
@@ -96,7 +97,7 @@ def _derivation(problem: NormalModeProblem, factors: Sequence[Factor]) -> Deriva
         else:
             letter, variable = "s", _free("s", taken)
             mapped = list(factors)
-            text, latex = root_map(method, problem.scheme.cfl, variable, latex_name(variable), True)
+            text, latex = root_map(method, problem.scheme.cfl, variable, latex_name(variable))
     names[letter] = variable
     product = coefficients.context.constant(1)
     for factor in mapped:
@@ -184,14 +185,14 @@ def _inverse(method: Integrator, coefficients: Coefficients, resolvent: Resolven
     return rho / (coefficients.symbol(resolvent.cfl) * sigma)
 
 
-def _shift(speed: Ratio, variable: str, names: Mapping[str, str], coefficients: Coefficients) -> tuple[str, str, bool]:
-    """c (r - 1) as text and LaTeX, and whether it is a single factor."""
+def _shift(speed: Ratio, variable: str, names: Mapping[str, str], coefficients: Coefficients) -> tuple[str, str]:
+    """c (r - 1) as text and LaTeX; an irrational speed is called c."""
     text, latex = f"({variable} - 1)", rf"\left({latex_name(variable)} - 1\right)"
     if speed.num.is_one() and speed.den.is_one():
-        return text, latex, True
+        return text, latex
     generators = {g.name: g for g in coefficients.generators}
     if any(speed.num.degrees()[coefficients.context.names().index(n)] for n in generators):
-        return f"c*{text}", f"c {latex}", True
+        return f"c*{text}", f"c {latex}"
     num, den = polynomial_text(speed.num, names, "x"), polynomial_text(speed.den, names, "x")
     factor = f"({num})" if " " in num else num
     over = "" if speed.den.is_one() else (f"/({den})" if " " in den or "*" in den else f"/{den}")
@@ -200,12 +201,11 @@ def _shift(speed: Ratio, variable: str, names: Mapping[str, str], coefficients: 
         tex = rf"\frac{{{tex}}}{{{polynomial_latex(speed.den, names, 'x')}}}"
     elif " " in num:
         tex = rf"\left({tex}\right)"
-    return f"{factor}{over}*{text}", f"{tex} {latex}", True
+    return f"{factor}{over}*{text}", f"{tex} {latex}"
 
 
-def root_map(method: Integrator, cfl: str, text: str, latex: str, single: bool) -> tuple[str, str]:
-    """z as a function of lam*s, or the polynomial that ties them, as text and LaTeX."""
-    del single
+def root_map(method: Integrator, cfl: str, text: str, latex: str) -> tuple[str, str]:
+    """z as a function of lam*s, or the polynomial that ties them, as text and LaTeX; ``text`` is s."""
     mu, tex = f"{cfl}*{text}", f"{latex_name(cfl)} {latex}"
     if method.kind == "exact":
         return f"z = exp({mu})", rf"z = e^{{{tex}}}"
@@ -277,4 +277,3 @@ def _signed(terms: Sequence[tuple[bool, str]]) -> str:
     return text or "0"
 
 
-__all__ = ["Derivation", "derive", "fmpz_mpoly", "root_map"]

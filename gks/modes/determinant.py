@@ -10,7 +10,8 @@ from flint import fmpz_mpoly
 def determinant(matrix: Sequence[Sequence[fmpz_mpoly]], one: fmpz_mpoly) -> fmpz_mpoly:
     """Bareiss elimination, exact division at every step; the smallest entry of the first live column is the pivot.
 
-    Closure matrices are sparse: rows with a single entry come off first by expansion, which keeps the polynomials small.
+    Closure matrices are sparse: rows with a single entry come off first by expansion, which keeps the polynomials
+    small.
     """
     rows = [list(row) for row in matrix]
     factor = one

@@ -8,7 +8,8 @@ from flint import fmpq_mpoly_ctx, fmpz_mpoly
 def irreducible_factors(polynomial: fmpz_mpoly) -> list[tuple[fmpz_mpoly, int]]:
     """The irreducible factors with their multiplicities; constants are left out.
 
-    python-flint 0.9 sorts the factors of an fmpz_mpoly by coefficients that it squeezes into machine integers, and raises
+    python-flint 0.9 sorts the factors of an fmpz_mpoly by coefficients that it squeezes into machine integers, and
+    raises
     OverflowError where they do not fit. The rational twin of the polynomial is sorted without that.
     """
     try:

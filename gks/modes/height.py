@@ -23,7 +23,9 @@ _SLACK = 2.0
 
 
 def zero_exponent(problem: NormalModeProblem, sigma: Root | None) -> float:
-    """E such that every minor of the Kreiss matrix at sigma is 0 or larger than 2**-E; sigma None is the point z = oo."""
+    """E such that every minor of the Kreiss matrix at sigma is 0 or larger than 2**-E; sigma None is the point z =
+    oo.
+    """
     heights = {problem.variable: _conjugate_heights(sigma)} if sigma is not None else {problem.variable: [0.0]}
     conjugates = 1
     for generator in problem.coefficients.generators:

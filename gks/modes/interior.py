@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import lcm
+
 from flint import fmpq, fmpq_poly, fmpz_mpoly, fmpz_poly
 
 from gks.modes.algebraic import Root
@@ -11,7 +13,9 @@ from gks.modes.cauchy_set import CauchyInterval, CauchySet, cauchy_set
 from gks.modes.characteristic import Field
 from gks.modes.coefficients import Coefficients, common_denominator
 from gks.modes.kreiss import NormalModeProblem
+from gks.modes.numerals import modulus_of, text_real
 from gks.modes.resolvent import Resolvent
+from gks.scheme.integrators import Polynomial
 
 
 def interior_stability(problem: NormalModeProblem) -> str | None:
@@ -45,7 +49,7 @@ def _where(result: CauchyResult) -> str:
     if result.kappa is not None:
         parts.append(f"kappa = {_text(complex(result.kappa))}")
     if result.z is not None:
-        parts.append(f"abs(z) = {abs(complex(result.z)):.15g}")
+        parts.append(f"abs(z) = {text_real(modulus_of(result.z.ball()))}")
     return f" ({', '.join(parts)})" if parts else ""
 
 
@@ -71,22 +75,17 @@ def amplification(symbol: fmpz_mpoly, coefficients: Coefficients, resolvent: Res
     method = resolvent.integrator
     assert method is not None
     lam = coefficients.symbol(resolvent.cfl)
-    scale = 1
-    cfl = lam.num
-    if not lam.den.is_one():
-        # s = s'/den turns lam*s into num*s' with s' = s/den, the eigenvalue of den times the operator.
-        scale = int(lam.den.leading_coefficient())
-    if scale != 1:
-        symbol = _rescaled(symbol, scale)
+    cfl, scale = lam.num, int(lam.den.leading_coefficient())
+    # With lam = num/scale and s = scale*s', lam*s is num*s'.
+    symbol = _rescaled(symbol, scale)
     if method.kind == "multistep":
         return under_multistep(symbol, *_integers(method.rho, method.sigma), lam=cfl)
     stability = fmpq_poly([fmpq(c.numerator, c.denominator) for c in method.stability])
     return under_runge_kutta(symbol, stability, lam=cfl)
 
 
-def _integers(rho: tuple, sigma: tuple) -> tuple[fmpz_poly, fmpz_poly]:  # type: ignore[type-arg]
-    from math import lcm
-
+def _integers(rho: Polynomial, sigma: Polynomial) -> tuple[fmpz_poly, fmpz_poly]:
+    """Both over their common denominator."""
     clear = lcm(*(c.denominator for c in (*rho, *sigma)))
     return fmpz_poly([int(c * clear) for c in rho]), fmpz_poly([int(c * clear) for c in sigma])
 

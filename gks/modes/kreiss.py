@@ -1,4 +1,5 @@
-"""The normal-mode problem of a scheme: spatial families, and the Kreiss matrix in the Newton basis of decaying solutions.
+"""The normal-mode problem of a scheme: spatial families, and the Kreiss matrix in the Newton basis of decaying
+solutions.
 
 On the mirrored half-line a field's decaying solutions are the sequences v_0, v_1, ... annihilated by
 
@@ -35,6 +36,7 @@ from gks.modes.fibre import at_balls, fibre, specialise
 from gks.modes.fibre import coefficients as powers_of
 from gks.modes.resolvent import Resolvent, characteristic, resolvent_of
 from gks.modes.unimodular import rational_ends
+from gks.scheme.expression import Expr
 from gks.scheme.model import GridValue, HalfLine, Scheme
 
 
@@ -217,7 +219,7 @@ def _decaying(polynomial: fmpz_mpoly, coefficients: Coefficients, resolvent: Res
 
 
 def _row(
-    terms: Sequence[tuple[GridValue, object]], scheme: Scheme, lowest: Mapping[str, int], blocks: Sequence[Block],
+    terms: Sequence[tuple[GridValue, Expr]], scheme: Scheme, lowest: Mapping[str, int], blocks: Sequence[Block],
     coefficients: Coefficients, resolvent: Resolvent,
 ) -> tuple[Term, ...]:  # fmt: skip
     base = min(value.level for value, _ in terms)
@@ -225,7 +227,7 @@ def _row(
     for value, coefficient in terms:
         half_line = scheme.half_line(value.domain)
         n = mirrored(half_line, value.index) - lowest[value.domain]
-        weight = coefficients.evaluate(coefficient) * resolvent.power(coefficients, value.level - base)  # type: ignore[arg-type]
+        weight = coefficients.evaluate(coefficient) * resolvent.power(coefficients, value.level - base)
         if value.derivative:
             weight = weight * resolvent.of(value.domain)
         component = half_line.unknowns.index(value.unknown)

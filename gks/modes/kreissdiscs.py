@@ -12,7 +12,7 @@ so if that is below 1, Delta has no zero in B (where abs(w) <= 1) and stays with
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,7 +22,7 @@ from gks.modes.chart import Chart
 from gks.modes.discs import PRODUCT, UNIT, UP, Array, ComplexArray, Discs, Jets, Ring, joined, linear_combination, powers
 from gks.modes.rootdiscs import Mask, RootDiscs, approximate, root_discs
 from gks.modes.rootdiscs import branches as branches_of
-from gks.modes.tables import Polynomial, SymbolTable, Tables
+from gks.modes.tables import Symbol, Tables
 
 
 Index = NDArray[np.intp]
@@ -50,10 +50,10 @@ class Start:
 
 @dataclass(frozen=True, slots=True)
 class Patch:
-    """Delta over N discs. phase, log : of Delta at the nodes. change : (N,), at least abs(Delta(w)/Delta(node) - 1).
+    """Delta over N discs. phase : of Delta at the nodes; log : (N, branches), of the modulus of each branch's factor.
 
-    relative : abs(Delta) at the node over the product of its rows' lengths (1 for orthogonal rows). selected : whether
-    the decaying roots are told from the others. ``change`` is infinite where nothing is proved.
+    change : (N,), at least abs(Delta(w)/Delta(node) - 1), infinite where nothing is proved. relative : abs(Delta) at the
+    node over the product of its rows' lengths (1 for orthogonal rows), the least of the branches.
     """
 
     phase: Array
@@ -121,7 +121,7 @@ class Region:
 
 
 def patch(
-    tables: Tables,
+    tables: Tables[Discs],
     chart: Chart,
     disc: Discs,
     node: ComplexArray,
@@ -159,12 +159,12 @@ def patch(
         total = factors.prod(axis=0) * (1 + PRODUCT * branches) - 1
     begin = Start(stages, tuple(x.reshape(branches, points, -1).transpose(1, 0, 2) for x in spatial))
     return Patch(
-        phase.reshape(shape).sum(axis=0), log.reshape(shape).sum(axis=0), total,
+        phase.reshape(shape).sum(axis=0), log.reshape(shape).T, total,
         relative.reshape(shape).min(axis=0), begin,
     )  # fmt: skip
 
 
-def region_of(tables: Tables, chart: Chart, disc: Discs, node: complex) -> Region | None:
+def region_of(tables: Tables[Discs], chart: Chart, disc: Discs, node: complex) -> Region | None:
     """The roots that continue the decaying ones over a disc of w, given a node in it with abs(node) < 1.
 
     None where they are not proved to keep apart from the others all over the disc.
@@ -201,13 +201,13 @@ def homogeneous(pair: tuple[Ring, Ring], degree: int) -> list[Ring]:
     return [a[k] * b[degree - k] for k in range(degree + 1)]
 
 
-def _evaluated(polynomial: Polynomial, basis: Sequence[Ring]) -> Ring:
+def _evaluated(polynomial: Mapping[int, Discs], basis: Sequence[Ring]) -> Ring:
     if not polynomial:
         return linear_combination([Discs.exact(np.asarray(0j))], basis[:1])
     return linear_combination(list(polynomial.values()), [basis[power] for power in polynomial])
 
 
-def _symbol(symbol: SymbolTable, pair: tuple[Ring, Ring]) -> Ring:
+def _symbol(symbol: Symbol[Discs], pair: tuple[Ring, Ring]) -> Ring:
     """The coefficients of P in x, ascending: (N, n + 1)."""
     basis = homogeneous(pair, symbol.degree)
     return joined([_evaluated(each, basis) for each in symbol.powers], lambda parts: np.stack(parts, 1))
@@ -222,13 +222,13 @@ def _inside(found: RootDiscs) -> tuple[Mask, Mask]:
     return inside, (inside | outside).all(axis=1)
 
 
-def _matrix(tables: Tables, roots: Sequence[Ring], pair: tuple[Ring, Ring]) -> Ring:
+def _matrix(tables: Tables[Discs], roots: Sequence[Ring], pair: tuple[Ring, Ring]) -> Ring:
     """The Kreiss matrix (N, m, m) in the Newton basis; ``roots`` of every family (N, decaying)."""
     bases = [homogeneous(pair, row.degree) for row in tables.rows]
     blocks = []
     for k, (family, zeros) in enumerate(tables.blocks):
-        count = 1 + max((e.n for row in tables.rows for e in row.entries if e.block == k), default=0)
-        columns = newton_basis(roots[family].apply(lambda x, zeros=zeros: np.pad(x, ((0, 0), (zeros, 0)))), count)  # type: ignore[misc]
+        padded = roots[family].apply(lambda x, zeros=zeros: np.pad(x, ((0, 0), (zeros, 0))))  # type: ignore[misc]
+        columns = newton_basis(padded, tables.longest[k])
         lines = []
         for row, basis in zip(tables.rows, bases, strict=True):
             line = linear_combination([Discs.exact(np.asarray(0j))], columns[:1])

@@ -17,10 +17,12 @@ Matrix = list[list[Ratio]]
 
 
 def identity(size: int, coefficients: Coefficients) -> Matrix:
+    """The unit matrix."""
     return [[coefficients.number(Fraction(int(i == j))) for j in range(size)] for i in range(size)]
 
 
 def multiply(a: Matrix, b: Matrix, coefficients: Coefficients) -> Matrix:
+    """The product a b."""
     return [
         [
             coefficients.add([a[i][k] * b[k][j] for k in range(len(b)) if not a[i][k].is_zero()])

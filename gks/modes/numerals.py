@@ -6,7 +6,7 @@ from decimal import Context, Decimal
 from fractions import Fraction
 from math import frexp, isfinite
 
-from flint import acb, arb, ctx, fmpq
+from flint import acb, arb
 
 ComplexNumber = tuple[Fraction, Fraction]
 
@@ -32,7 +32,17 @@ def json_real(value: Fraction) -> float | str:
 
 
 def json_complex(value: ComplexNumber) -> list[float | str]:
+    """[re, im]."""
     return [json_real(value[0]), json_real(value[1])]
+
+
+def rounding_of(value: ComplexNumber) -> Fraction:
+    """How far the JSON form of a complex number may lie from it: exact for doubles, a unit of the last digit beyond."""
+    total = Fraction(0)
+    for part in value:
+        double = to_double(part)
+        total += abs(part) / 10 ** (_DIGITS - 1) if double is None else abs(part - Fraction(double))
+    return total
 
 
 def decimal_text(value: Fraction, digits: int = _DIGITS) -> str:
@@ -43,7 +53,7 @@ def decimal_text(value: Fraction, digits: int = _DIGITS) -> str:
 
 
 def text_real(value: Fraction) -> str:
-    """At most 15 significant digits; exact fractions of small numbers as fractions."""
+    """At most 15 significant digits."""
     double = to_double(value)
     if double is None:
         return decimal_text(value, 15)
@@ -51,6 +61,7 @@ def text_real(value: Fraction) -> str:
 
 
 def text_complex(value: ComplexNumber, *, latex: bool = False) -> str:
+    """a + bi to 15 significant digits each, parts that are exactly 0 left out."""
     real, imaginary = value
     unit = r"\mathrm{i}" if latex else "i"
     if not imaginary:
@@ -81,9 +92,3 @@ def radius_of(value: acb) -> Fraction:
 def modulus_of(value: acb) -> Fraction:
     """The midpoint of a ball around the modulus."""
     return exact_fraction(abs(value))
-
-
-def rounded(value: Fraction, bits: int) -> Fraction:
-    """A nearby fraction of at most ``bits`` bits, so that exact midpoints do not drag long numerators along."""
-    with ctx.workprec(bits):
-        return exact_fraction(arb(fmpq(value.numerator, value.denominator)))

@@ -68,7 +68,8 @@ class Elimination:
 def characteristic_factors(problem: NormalModeProblem) -> Elimination:
     """Eliminates the spatial roots.
 
-    Powers of a symbol's leading coefficient that only clear the denominators of a quotient are left out. Raises TooWide,
+    Powers of a symbol's leading coefficient that only clear the denominators of a quotient are left out. Raises
+    TooWide,
     and Degenerate where the determinant is zero as a formula.
     """
     sheets = 1
@@ -205,7 +206,9 @@ def _resultant(norm: fmpz_mpoly, relation: fmpz_mpoly, variable: str) -> tuple[f
 def _own_factors(
     problem: NormalModeProblem, norm: fmpz_mpoly, repeats: int, leads: Sequence[fmpz_mpoly]
 ) -> list[Factor]:
-    """The factors that hold sigma, but for the powers of leading coefficients that cleared a quotient's denominators."""
+    """The factors that hold sigma, but for the powers of leading coefficients that cleared a quotient's
+    denominators.
+    """
     sigma = problem.coefficients.context.names().index(problem.variable)
     foreign = [f for lead in leads if (f := problem.coefficients.norm(lead)).degrees()[sigma]]
     own = []

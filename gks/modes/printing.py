@@ -6,9 +6,10 @@ from collections.abc import Callable, Mapping
 
 from flint import fmpz_mpoly
 
-GREEK = frozenset(
-    "alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi pi rho sigma tau upsilon phi chi psi omega".split()
-)
+GREEK = frozenset({
+        "alpha", "beta", "gamma", "delta", "epsilon", "zeta", "eta", "theta", "iota", "kappa", "lambda", "mu",
+        "nu", "xi", "pi", "rho", "sigma", "tau", "upsilon", "phi", "chi", "psi", "omega",
+})  # fmt: skip
 
 
 def latex_name(name: str) -> str:
@@ -24,11 +25,12 @@ def latex_name(name: str) -> str:
 
 def polynomial_text(polynomial: fmpz_mpoly, names: Mapping[str, str], first: str) -> str:
     """Expanded, descending in the variable ``first``; ``names`` maps context variables to printed ones."""
-    return _joined(polynomial, names, first, _text_factor, "*", str)
+    return _joined(polynomial, names, first, _text_factor, "*")
 
 
 def polynomial_latex(polynomial: fmpz_mpoly, names: Mapping[str, str], first: str) -> str:
-    return _joined(polynomial, names, first, _latex_factor, " ", str)
+    """The same in LaTeX."""
+    return _joined(polynomial, names, first, _latex_factor, " ")
 
 
 def _text_factor(name: str, power: int) -> str:
@@ -45,13 +47,10 @@ def _joined(
     first: str,
     factor: Callable[[str, int], str],
     times: str,
-    number: Callable[[int], str],
 ) -> str:
     variables = polynomial.context().names()
     lead = variables.index(first)
-    terms = sorted(
-        polynomial.to_dict().items(), key=lambda term: (-term[0][lead], [-p for p in term[0]])
-    )
+    terms = sorted(polynomial.to_dict().items(), key=lambda term: (-term[0][lead], [-p for p in term[0]]))
     text = ""
     for powers, coefficient in terms:
         value = int(coefficient)
@@ -62,7 +61,7 @@ def _joined(
             if power and k != lead
         ]
         size = abs(value)
-        parts = ([number(size)] if size != 1 or not (factors or rest) else []) + rest + factors
+        parts = ([str(size)] if size != 1 or not (factors or rest) else []) + rest + factors
         body = times.join(parts)
         if not text:
             text = f"-{body}" if value < 0 else body

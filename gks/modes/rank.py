@@ -21,7 +21,9 @@ RANK_BITS = 1 << 16
 
 
 def certain_rank(matrix_at: Callable[[int], Matrix], most: int) -> int | None:
-    """The rank where pivots that ``most`` bits keep away from 0 use up all rows or columns; None where some are left."""
+    """The rank where pivots that ``most`` bits keep away from 0 use up all rows or columns; None where some are
+    left.
+    """
     bits = START_BITS
     while bits <= most:
         with ctx.workprec(bits + GUARD_BITS):

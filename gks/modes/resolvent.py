@@ -17,7 +17,7 @@ from flint import fmpz_mpoly
 from gks.errors import NotAnalysable
 from gks.modes.coefficients import Coefficients, Ratio
 from gks.scheme.integrators import Integrator, integrator
-from gks.scheme.model import HalfLine, NamedLines, Scheme, WrittenLines
+from gks.scheme.model import LinearForm, Scheme
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,20 +46,12 @@ class Resolvent:
         return coefficients.power(self.z, level) if self.in_z else coefficients.number(Fraction(1))
 
 
-def time_of(half_line: HalfLine) -> str | None:
-    """The named integrator of a method-of-lines half-line, None for a fully discrete one."""
-    match half_line.interior:
-        case NamedLines(time=time) | WrittenLines(time=time):
-            return time
-    return None
-
-
 def resolvent_of(scheme: Scheme, coefficients: Coefficients) -> Resolvent:
     """Chooses the variable; NotAnalysable where a Runge-Kutta half-line meets another clock."""
-    times = {half_line.name: time_of(half_line) for half_line in scheme.domains}
+    times = {half_line.name: half_line.time for half_line in scheme.domains}
     z = coefficients.of(coefficients.gens["z"])
     one_clock = len(set(times.values())) == 1 and None not in times.values()
-    if one_clock and all(_one_level(equation.form.terms) for equation in scheme.closure.equations):
+    if one_clock and all(_one_level(equation.form) for equation in scheme.closure.equations):
         s = coefficients.of(coefficients.gens["s"])
         method = integrator(next(t for t in times.values() if t is not None))
         return Resolvent(scheme.cfl, False, z, method, dict.fromkeys(times, s))
@@ -80,8 +72,9 @@ def resolvent_of(scheme: Scheme, coefficients: Coefficients) -> Resolvent:
     return Resolvent(scheme.cfl, True, z, None, derivative)
 
 
-def _one_level(terms: object) -> bool:
-    return len({value.level for value, _ in terms}) <= 1  # type: ignore[attr-defined]
+def _one_level(form: LinearForm) -> bool:
+    first, last = form.levels
+    return first == last
 
 
 def _in_z(polynomial: tuple[Fraction, ...], coefficients: Coefficients) -> Ratio:

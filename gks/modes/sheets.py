@@ -1,13 +1,14 @@
 """Which choice of spatial roots makes the determinant vanish at a root of the norm.
 
 At a root sigma of the norm some choice (sheet) vanishes: the norm is the product over all of them, and no leading
-coefficient is zero there. If balls keep the determinant of every other choice away from 0, the one that is left vanishes,
+coefficient is zero there. If balls keep the determinant of every other choice away from 0, the one that is left
+vanishes,
 exactly, at a precision far below what a bound on algebraic numbers would ask for.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import combinations, product
 
 from flint import ctx
@@ -34,13 +35,15 @@ def only_vanishing(problem: NormalModeProblem, candidate: Candidate, mine: Choic
         return False
     point = point_of(problem, candidate)
     wanted = _key(mine)
-    for choice in _choices(problem, candidate):
-        if _key(choice) == wanted:
-            continue
-        roots = [[Root.of(0)] * block.zeros + list(choice[block.family]) for block in problem.blocks]
-        if certain_rank(lambda bits, roots=roots: closure_matrix(problem, point, roots, bits), SHEET_BITS) != problem.size:  # type: ignore[misc]
-            return False
-    return True
+    return all(
+        _key(choice) == wanted or _never_vanishes(problem, point, choice) for choice in _choices(problem, candidate)
+    )
+
+
+def _never_vanishes(problem: NormalModeProblem, point: Mapping[str, Root], choice: Choice) -> bool:
+    roots = [[Root.of(0)] * block.zeros + list(choice[block.family]) for block in problem.blocks]
+    rank = certain_rank(lambda bits: closure_matrix(problem, point, roots, bits), SHEET_BITS)
+    return rank == problem.size
 
 
 def _key(choice: Choice) -> tuple[tuple[tuple[tuple[int, ...], int], ...], ...]:

@@ -1,7 +1,9 @@
 """Does the closure, with the interior, determine level n+1? Delta at z = infinity, in the ghost basis.
 
-At z = infinity only the top power of the resolvent variable is left of every equation. An explicit interior then says that
-all new interior values are known, so the decaying solutions are the ghost values alone; an implicit one keeps the spatial
+At z = infinity only the top power of the resolvent variable is left of every equation. An explicit interior then says
+that
+all new interior values are known, so the decaying solutions are the ghost values alone; an implicit one keeps the
+spatial
 roots of its new level. Under the method of lines z = infinity is s = infinity, or s = rho_k / (lam sigma_k) where the
 integrator is implicit.
 """
@@ -17,7 +19,8 @@ from flint import acb, ctx, fmpz_mpoly
 
 from gks.errors import GksError, SchemeError, Where
 from gks.modes.algebraic import GUARD_BITS, START_BITS, Position, Root
-from gks.modes.fibre import at_balls, fibre, value
+from gks.modes.fibre import at_balls, fibre
+from gks.modes.fibre import value as algebraic_value
 from gks.modes.height import zero_exponent
 from gks.modes.kreiss import NormalModeProblem, closure_matrix, newton_columns, normal_mode_problem, sample_point
 from gks.modes.rank import exact_rank
@@ -26,7 +29,8 @@ from gks.scheme.model import Scheme
 TRIALS = 3
 """Random parameter sets at which Delta(oo) must vanish for it to count as identically zero.
 
-A nonzero algebraic function of the parameters vanishes at a random rational of 40 bits with probability below its degree
+A nonzero algebraic function of the parameters vanishes at a random rational of 40 bits with probability below its
+degree
 over 2**39.
 """
 
@@ -83,7 +87,7 @@ def _implicit(problem: NormalModeProblem) -> Root | None:
         return None
     coefficients = problem.coefficients
     lead = coefficients.number(method.rho[-1] / method.sigma[-1]) / coefficients.symbol(problem.resolvent.cfl)
-    return value(coefficients.point(), lead.num, lead.den)
+    return algebraic_value(coefficients.point(), lead.num, lead.den)
 
 
 def _point(problem: NormalModeProblem) -> dict[str, Root]:
@@ -142,7 +146,9 @@ def _full_rank(problem: NormalModeProblem) -> bool:
     roots = _roots_at_top(top)
     if roots is None:
         return False
-    return exact_rank(lambda bits: _matrix(top, roots, bits), lambda: zero_exponent(top, _implicit(top))) == problem.size
+    return (
+        exact_rank(lambda bits: _matrix(top, roots, bits), lambda: zero_exponent(top, _implicit(top))) == problem.size
+    )
 
 
 def refuse_undetermined(problem: NormalModeProblem) -> None:

@@ -1,4 +1,4 @@
-"""A normal-mode problem in double precision: its polynomials as discs, ready for evaluation at many points at once.
+"""A normal-mode problem with its polynomials evaluated but for the resolvent variable: in balls, or in double precision.
 
 The variable of the tables is mu = lam*s where the problem's is s, and z where it is z. Each symbol and each closure row
 is divided by a power of two that brings its largest coefficient to about 1; neither moves a zero.
@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Generic, TypeVar
 
 from flint import acb, ctx, fmpz_mpoly
 
@@ -17,96 +18,111 @@ from gks.modes.discs import Discs, constant
 from gks.modes.fibre import coefficients as powers_of
 from gks.modes.kreiss import NormalModeProblem
 
-TABLE_BITS = 128
-"""Precision of the coefficients before they are rounded to doubles: above a double's by more than cancellation among
-the few generators' terms costs; whatever it costs is in the discs' radii."""
+DOUBLE_BITS = 128
+"""Precision of coefficients that are then rounded to doubles: what cancellation among a few generators' terms costs stays
+below a double's rounding, and is in the discs' radii where it does not."""
 
-Polynomial = Mapping[int, Discs]
-"""Power of the variable -> coefficient, of shape (); absent powers are exactly zero."""
+C = TypeVar("C")
+D = TypeVar("D")
 
 
 @dataclass(frozen=True, slots=True)
-class SymbolTable:
-    """P(mu, x): ``powers[i]`` is the coefficient of x**i, of degree at most ``degree`` in mu."""
+class Symbol(Generic[C]):
+    """P(mu, x): ``powers[i][k]`` is the coefficient of x**i mu**k (absent: 0), k at most ``degree``."""
 
-    powers: tuple[Polynomial, ...]
+    powers: tuple[Mapping[int, C], ...]
     degree: int
     decaying: int
 
 
 @dataclass(frozen=True, slots=True)
-class Entry:
-    """A coefficient times v_n of a block."""
+class Entry(Generic[C]):
+    """A coefficient, given by its powers of mu, times v_n of a block."""
 
     block: int
     n: int
-    coefficient: Polynomial
+    coefficient: Mapping[int, C]
 
 
 @dataclass(frozen=True, slots=True)
-class RowTable:
+class Row(Generic[C]):
     """One closure equation, of degree at most ``degree`` in mu."""
 
-    entries: tuple[Entry, ...]
+    entries: tuple[Entry[C], ...]
     degree: int
 
 
 @dataclass(frozen=True, slots=True)
-class Tables:
-    """``blocks`` gives (family, zeros) of every block."""
+class Tables(Generic[C]):
+    """``blocks`` gives (family, zeros) of every block, ``longest`` how many v_n the closure reads of it (at least 1)."""
 
-    symbols: tuple[SymbolTable, ...]
-    rows: tuple[RowTable, ...]
+    symbols: tuple[Symbol[C], ...]
+    rows: tuple[Row[C], ...]
     blocks: tuple[tuple[int, int], ...]
+    longest: tuple[int, ...]
 
     @property
     def size(self) -> int:
+        """Number of equations, which is that of decaying solutions."""
         return len(self.rows)
 
 
-def tables_of(problem: NormalModeProblem) -> Tables:
-    """Rounds a problem to discs; OverflowError where its coefficients have no common scale within doubles."""
-    with ctx.workprec(TABLE_BITS + GUARD_BITS):
+def ball_tables(problem: NormalModeProblem, bits: int) -> Tables[acb]:
+    """The tables to a relative precision of about ``bits``."""
+    with ctx.workprec(bits + GUARD_BITS):
         lam = acb(1)
         if problem.variable == "s":
-            lam = value_ball(problem.coefficients.values[problem.resolvent.cfl], TABLE_BITS)
-        at = {name: root.ball(TABLE_BITS) for name, root in problem.coefficients.point().items()}
+            lam = value_ball(problem.coefficients.values[problem.resolvent.cfl], bits)
+        at = {name: root.ball(bits) for name, root in problem.coefficients.point().items()}
         symbols = []
         for family in problem.families:
-            parts = powers_of(family.polynomial, "x")
-            rounded, degree = _rounded(problem, parts, at, lam)
-            symbols.append(SymbolTable(tuple(rounded), degree, family.decaying))
+            parts, degree = _scaled(problem, powers_of(family.polynomial, "x"), at, lam, bits)
+            symbols.append(Symbol(tuple(parts), degree, family.decaying))
         rows = []
         for row in problem.rows:
-            rounded, degree = _rounded(problem, [t.coefficient for t in row], at, lam)
-            entries = (Entry(t.block, t.n, c) for t, c in zip(row, rounded, strict=True))
-            rows.append(RowTable(tuple(entries), degree))
-    return Tables(tuple(symbols), tuple(rows), tuple((b.family, b.zeros) for b in problem.blocks))
+            parts, degree = _scaled(problem, [t.coefficient for t in row], at, lam, bits)
+            rows.append(Row(tuple(Entry(t.block, t.n, c) for t, c in zip(row, parts, strict=True)), degree))
+    longest = [
+        1 + max((t.n for row in problem.rows for t in row if t.block == k), default=0) for k in range(len(problem.blocks))
+    ]
+    return Tables(tuple(symbols), tuple(rows), tuple((b.family, b.zeros) for b in problem.blocks), tuple(longest))
 
 
-def _rounded(
-    problem: NormalModeProblem, polynomials: Sequence[fmpz_mpoly], at: Mapping[str, acb], lam: acb
-) -> tuple[list[Polynomial], int]:
+def disc_tables(problem: NormalModeProblem) -> Tables[Discs]:
+    """The tables in double precision, every coefficient a disc of shape ()."""
+    tables = ball_tables(problem, DOUBLE_BITS)
+    with ctx.workprec(DOUBLE_BITS):
+        symbols = (Symbol(tuple(_rounded(p) for p in s.powers), s.degree, s.decaying) for s in tables.symbols)
+        rows = (
+            Row(tuple(Entry(e.block, e.n, _rounded(e.coefficient)) for e in row.entries), row.degree)
+            for row in tables.rows
+        )
+        return Tables(tuple(symbols), tuple(rows), tables.blocks, tables.longest)
+
+
+def _rounded(polynomial: Mapping[int, acb]) -> dict[int, Discs]:
+    return {power: constant(c) for power, c in polynomial.items()}
+
+
+def _scaled(
+    problem: NormalModeProblem, polynomials: Sequence[fmpz_mpoly], at: Mapping[str, acb], lam: acb, bits: int
+) -> tuple[list[dict[int, acb]], int]:
     """The polynomials in mu with one scale, and their largest degree."""
     expanded = [
         {
-            power: problem.coefficients.ball(c, TABLE_BITS, at) / lam**power
+            power: problem.coefficients.ball(c, bits, at) / lam**power
             for power, c in enumerate(powers_of(polynomial, problem.variable))
             if not c.is_zero()
         }
         for polynomial in polynomials
     ]
-    exponents = [_exponent(c) for parts in expanded for c in parts.values()]
-    shift = max((e for e in exponents if e is not None), default=0)
+    shift = max((_exponent(c) for parts in expanded for c in parts.values()), default=0)
     scale = acb(2) ** -shift
     degree = max((power for parts in expanded for power in parts), default=0)
-    return [{power: constant(c * scale) for power, c in parts.items()} for parts in expanded], degree
+    return [{power: c * scale for power, c in parts.items()} for parts in expanded], degree
 
 
-def _exponent(value: acb) -> int | None:
-    """log2 of the modulus, rounded up; None for 0."""
-    size = value.abs_upper()
-    if size == 0:
-        return None
-    mantissa, exponent = size.man_exp()
+def _exponent(value: acb) -> int:
+    """log2 of the modulus, rounded up."""
+    mantissa, exponent = value.abs_upper().man_exp()
     return int(exponent) + int(mantissa).bit_length()

@@ -8,7 +8,7 @@ from enum import Enum
 from fractions import Fraction
 from typing import Literal
 
-from gks.modes.numerals import ComplexNumber, json_complex, json_real, text_complex, text_real
+from gks.modes.numerals import ComplexNumber, json_complex, json_real, rounding_of, text_complex, text_real
 from gks.scheme.model import Scheme
 
 
@@ -47,7 +47,9 @@ Reason = Literal["interior", "closure"]
 class Mode:
     """One root z with its multiplicity, what it is, and the spatial factors kappa = u[i+1]/u[i] of each domain.
 
-    ``z`` and ``kappa`` are exact midpoints; ``radius`` bounds the distance of ``z`` from the true root.
+    ``z`` and ``kappa`` are exact midpoints; ``radius`` bounds the distance of ``z`` from the true root (in JSON, that
+    of the
+    rounded number).
     """
 
     z: ComplexNumber
@@ -67,7 +69,7 @@ class Mode:
         return {
             "z": json_complex(self.z),
             "modulus": json_real(self.modulus),
-            "radius": json_real(self.radius),
+            "radius": json_real(self.radius + rounding_of(self.z)),
             "multiplicity": self.multiplicity,
             "kind": self.kind.value,
             "kappa": {domain: [json_complex(k) for k in kappas] for domain, kappas in self.kappa.items()},

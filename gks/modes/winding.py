@@ -46,7 +46,10 @@ class Piece:
 
 @dataclass(frozen=True, slots=True)
 class Walk:
-    """Nodes in order, the value of Delta there, and the parts (begin, end as points of w) that no step size settled."""
+    """Nodes in order, the value of Delta there, and the nodes of the steps that no size settled.
+
+    ``closed`` says that the path is a full circle; else it runs from a real point to a real point.
+    """
 
     node: ComplexArray
     phase: Array
@@ -55,13 +58,30 @@ class Walk:
     change: Array
     start: Start
     stuck: tuple[complex, ...]
+    closed: bool
 
     @property
-    def half_turns(self) -> float:
-        """The phase of Delta from a real point to a real point over pi: an integer up to rounding, where nothing is stuck."""
-        steps = np.angle(np.exp(1j * np.diff(self.phase)))
-        ends = [_to_real(self.phase[0]), _to_real(self.phase[-1])]
-        return float((steps.sum() + ends[1] - ends[0]) / pi)
+    def zeros(self) -> float:
+        """The number of zeros enclosed, an integer up to rounding where nothing is stuck.
+
+        The half-turns from a real point to a real point, or the full turns of a closed path.
+        """
+        steps = float(_wrapped(np.diff(self.phase)).sum())
+        if self.closed:
+            return (steps + float(_wrapped(self.phase[:1] - self.phase[-1:])[0])) / (2 * pi)
+        return (steps + _to_real(self.phase[-1]) - _to_real(self.phase[0])) / pi
+
+    @property
+    def continuous(self) -> ComplexArray:
+        """log Delta along the path, zero or a half-turn at the real end where the path begins there."""
+        first = 0.0 if self.closed else -_to_real(self.phase[0])
+        turned = first + np.concatenate([[0.0], np.cumsum(_wrapped(np.diff(self.phase)))])
+        return np.asarray(self.log + 1j * turned)
+
+
+def _wrapped(angles: Array) -> Array:
+    """The same angles in (-pi, pi]."""
+    return np.asarray(np.angle(np.exp(1j * angles)))
 
 
 def _to_real(phase: float) -> float:
@@ -119,7 +139,7 @@ class _Steps:
 
 
 def walk(
-    tables: Tables,
+    tables: Tables[Discs],
     chart: Chart,
     pieces: Sequence[Piece],
     smallest: float,
@@ -179,4 +199,43 @@ def _ordered(pieces: Sequence[Piece], done: Sequence[tuple[_Steps, ComplexArray,
     order = np.lexsort((np.concatenate([s.middle for s, _, _ in done]) * forward, piece))
     found = Patch.join([p for _, _, p in done]).take(order)
     node = np.concatenate([n for _, n, _ in done])[order]
-    return Walk(node, found.phase, found.log, found.relative, found.change, found.start, tuple(stuck))
+    closed = len(pieces) == 1 and abs(pieces[0].end - pieces[0].begin) > 1.5 * pi
+    return Walk(node, found.phase, found.log.sum(axis=1), found.relative, found.change, found.start, tuple(stuck), closed)
+
+
+def seeds(found: Walk, centre: complex, radius: float, count: int) -> list[complex]:
+    """The ``count`` zeros of Delta that a path encloses, roughly, from the moments of Delta'/Delta along it.
+
+    With u = (w - centre)/radius and L = log Delta the k-th moment, the sum of u_j**k over the zeros, is by parts
+
+        count * u_b**k - (k/pi) Im I,      I = the integral of u**(k-1) L du,
+
+    from a real point to a real point u_b through the upper half-plane, and count * u_b**k - k/(2 pi i) I round a circle
+    that begins and ends at u_b. Newton's identities turn moments into the polynomial that has the zeros as roots.
+    """
+    if not count:
+        return []
+    u = (found.node - centre) / radius
+    logs = found.continuous
+    if found.closed:
+        u, logs = np.append(u, u[0]), np.append(logs, logs[0] + 2j * pi * count)
+    else:
+        u = np.concatenate([[_real_end(u[0])], u, [_real_end(u[-1])]])
+        logs = np.concatenate([[logs[0].real], logs, [logs[-1].real + 1j * pi * round(logs[-1].imag / pi)]])
+    moments = []
+    for k in range(1, count + 1):
+        values = u ** (k - 1) * logs
+        integral = complex(((values[1:] + values[:-1]) / 2 * np.diff(u)).sum())
+        end = complex(u[-1]) ** k * count
+        moments.append(end - k * integral / (2j * pi) if found.closed else complex(end.real - k * integral.imag / pi))
+    elementary: list[complex] = [1.0 + 0j]
+    for k in range(1, count + 1):
+        terms = ((-1) ** (i - 1) * elementary[k - i] * moments[i - 1] for i in range(1, k + 1))
+        elementary.append(sum(terms) / k)
+    polynomial = [(-1) ** k * e for k, e in enumerate(elementary)]
+    return [centre + radius * complex(root) for root in np.roots(polynomial)]
+
+
+def _real_end(u: complex) -> float:
+    """The real point next to the first or last node of a path round the unit circle of u, or along it."""
+    return float(np.sign(u.real) * abs(u))

@@ -98,5 +98,9 @@ def _miscounted(
         mend = f"{names} have none: add an equation for each"
     if nodes:
         return nodes[-1].error(found, mend)
-    holder = tables.get("closure") or next(iter(tables.values())).document.root
-    return holder.key_error(found, mend)
+    if "closure" not in tables:
+        return next(iter(tables.values())).document.root.error(found, mend)
+    entries = tables["closure"].table()
+    if "equations" not in entries:
+        return tables["closure"].key_error(found, mend)
+    return entries["equations"].error(found, mend)

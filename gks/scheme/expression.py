@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import lru_cache
 from math import comb, isqrt, log2
 from typing import Protocol, TypeVar, cast
 
@@ -74,6 +75,7 @@ class Size:
         return comb(self.degree + symbols, symbols)
 
     def checked(self) -> Size:
+        """Itself; TooLarge if a bound is over its limit."""
         if self.degree > MAX_DEGREE:
             raise TooLarge(f"the formula has degree {self.degree} multiplied out and the limit is {MAX_DEGREE}")
         if self.bits > MAX_BITS:
@@ -221,7 +223,16 @@ _NOTHING: frozenset[str] = frozenset()
 def number(value: Fraction | int) -> Expr:
     """An exact rational constant."""
     if isinstance(value, int):
-        value = Fraction(value)
+        return _integer(value) if -99 < value < 99 else _number(Fraction(value))
+    return _number(value)
+
+
+@lru_cache(maxsize=200)
+def _integer(value: int) -> Expr:
+    return _number(Fraction(value))
+
+
+def _number(value: Fraction) -> Expr:
     top, bottom = value.numerator, value.denominator
     size = Size(0, 0, _bits(top), _bits(bottom), 1)
     return Expr("num", value, "", 0, (), _NOTHING, True, size.checked(), hash((top, bottom)))
@@ -241,6 +252,8 @@ def add(terms: Sequence[Expr]) -> Expr:
     """The sum of any number of terms, constants gathered into one where the first stood and zeros left out."""
     constant, place = _ZERO, 0
     rest: list[Expr] = []
+    if len(terms) == 1:
+        return terms[0]
     for term in terms:
         if term.op != "num" or _short(constant) + _short(term.value) > _FOLD_BITS:
             rest.append(term)

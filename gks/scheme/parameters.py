@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from fractions import Fraction
 from typing import Literal
 
-from gks.errors import quoted
+from gks.errors import counted, quoted
 from gks.scheme.document import Node
 from gks.scheme.formula import Context
 from gks.scheme.limits import MAX_NAMES
@@ -55,7 +55,7 @@ def _range(node: Node, context: Context) -> tuple[Fraction | None, Fraction | No
     """[lo, hi] with lo < hi; None for an infinite end."""
     ends = node.array()
     if len(ends) != 2:
-        raise node.error(f"found {len(ends)} ends", "expected [lo, hi]")
+        raise node.error(f"found {counted(len(ends), 'end')}", "expected [lo, hi]")
     low, high = (exact_number(end, context) for end in ends)
     if not low < high:
         raise node.error(f"found {quoted(node.document.positions.raw(node.path))[1:-1]}", "expected lo < hi")

@@ -58,6 +58,12 @@ first    = 1
 equations = ["u[0, n+1] = u[1, n+1]"]
 """
 
+IN_LINES = (
+    'interior = ["u[i, n+1] = u[i, n-1] + lam*(u[i+1] - u[i-1])"]',
+    'interior = ["dt(u[i]) = u[i+1] - u[i-1]"]\ntime = "ab2"',
+)
+"""Turns the leapfrog example into the method of lines."""
+
 
 def changed(text: str, *replacements: tuple[str, str]) -> str:
     """The text with each (old, new) applied once; the old must be there."""

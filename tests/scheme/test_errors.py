@@ -9,7 +9,11 @@ from gks.errors import ParameterError, SchemeError, Where, counted, one_line, qu
 
 def test_the_message_is_one_line_with_all_its_parts() -> None:
     error = SchemeError(
-        "found 3", where=Where("half_step.toml", 14, 9), path="closure.equations[2]", expected="expected 4", mend="add one"
+        "found 3",
+        where=Where("half_step.toml", 14, 9),
+        path="closure.equations[2]",
+        expected="expected 4",
+        mend="add one",
     )
     assert str(error) == "half_step.toml:14:9: closure.equations[2]: found 3; expected 4; add one"
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from fractions import Fraction
 from itertools import product
 
@@ -11,8 +12,8 @@ from hypothesis import strategies as st
 
 from gks.errors import IrrationalValue, ParameterError, TooLarge
 from gks.scheme.expression import Expr, add, extremum, mul, number, power, sqrt, symbol
-from gks.scheme.formula import Context, parse_expression
 from gks.scheme.forms import ZeroTest
+from gks.scheme.formula import Context, parse_expression
 from gks.scheme.limits import MAX_BITS, MAX_DEGREE, MAX_WRITTEN, Work
 
 alpha, lam = symbol("alpha"), symbol("lam")
@@ -85,10 +86,12 @@ def test_text_is_valid_sympy(expr: Expr, a: Fraction) -> None:
     assert Fraction(str(value)) == expr.at({"alpha": a, "lam": Fraction(2, 7)})
 
 
+Poly = dict[tuple[int, int], Fraction]
+"""Coefficients by the exponents of alpha and lam."""
+
+
 class _Expanded:
     """The slow second way: numerator and denominator multiplied out, never cancelled."""
-
-    Poly = dict[tuple[int, int], Fraction]
 
     def number(self, value: Fraction) -> tuple[Poly, Poly]:
         return {(0, 0): Fraction(value.numerator)} if value else {}, {(0, 0): Fraction(value.denominator)}
@@ -96,7 +99,7 @@ class _Expanded:
     def symbol(self, name: str) -> tuple[Poly, Poly]:
         return {(1, 0) if name == "alpha" else (0, 1): Fraction(1)}, {(0, 0): Fraction(1)}
 
-    def add(self, terms: list[tuple[Poly, Poly]]) -> tuple[Poly, Poly]:
+    def add(self, terms: Sequence[tuple[Poly, Poly]]) -> tuple[Poly, Poly]:
         total = terms[0]
         for other in terms[1:]:
             top = self._times(total[0], other[1])
@@ -105,7 +108,7 @@ class _Expanded:
             total = ({k: c for k, c in top.items() if c}, self._times(total[1], other[1]))
         return total
 
-    def mul(self, factors: list[tuple[Poly, Poly]]) -> tuple[Poly, Poly]:
+    def mul(self, factors: Sequence[tuple[Poly, Poly]]) -> tuple[Poly, Poly]:
         total = factors[0]
         for other in factors[1:]:
             total = (self._times(total[0], other[0]), self._times(total[1], other[1]))
@@ -120,7 +123,7 @@ class _Expanded:
 
     @staticmethod
     def _times(a: Poly, b: Poly) -> Poly:
-        out: dict[tuple[int, int], Fraction] = {}
+        out: Poly = {}
         for (p, c), (q, d) in product(a.items(), b.items()):
             key = (p[0] + q[0], p[1] + q[1])
             out[key] = out.get(key, Fraction(0)) + c * d

@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gks.scheme.expression import symbol
-from gks.scheme.formula import Context, parse_equation, parse_expression
 from gks.scheme.forms import ZeroTest
+from gks.scheme.formula import Context, parse_equation, parse_expression
 from gks.scheme.gridvalue import Grid
 from gks.scheme.limits import MAX_NESTING, Work
 from gks.scheme.tokens import FormulaError
@@ -89,8 +89,8 @@ arithmetic = st.recursive(
 def pythons_value(node: ast.expr, names: dict[str, Fraction]) -> Fraction:
     """The value of a tree that Python's own parser made of the text."""
     match node:
-        case ast.Constant(value=int(value)):
-            return Fraction(value)
+        case ast.Constant(value=int(digit)):
+            return Fraction(digit)
         case ast.Name(id=name):
             return names[name]
         case ast.UnaryOp(op=operator, operand=operand):
@@ -162,7 +162,7 @@ def test_values_are_those_of_the_tree_that_python_reads(text: str) -> None:
         ("1 \u2212 2", 2, "U+2212 MINUS SIGN"),
         ("１", 0, "U+FF11 FULLWIDTH DIGIT ONE"),
         ("lam\0", 3, r"\\x00"),
-        ("__import__('os').system('id')", 11, "\"'\" has no place"),
+        ("__import__('os').system('id')", 11, '"\'" has no place'),
         ("lam.__class__", 0, "a grid value"),
         ("[x for x in ()]", 0, 'found "["'),
         ("lambda: 0", 6, '":" has no place'),
@@ -309,7 +309,7 @@ def test_faults_of_closure_equations(text: str, offset: int, words: str) -> None
 
 def test_the_domain_may_be_left_out_where_there_is_one() -> None:
     assert terms("u[-1] = R.u[0]", ONE_SIDED) == {"R.u[-1]": "1", "R.u[0]": "-1"}
-    assert 'write L.u[...] or R.u[...]' in fault("u[0] = 0", CLOSURE).mend
+    assert "write L.u[...] or R.u[...]" in fault("u[0] = 0", CLOSURE).mend
 
 
 @given(st.text(alphabet="uis[]()+-*/.,= nlamdt019R_^'\"é\n", max_size=60))

@@ -1,4 +1,4 @@
-"""Where keys and values stand in a TOML text: whatever tomllib finds has a place, and costs are capped before it runs."""
+"""Where keys and values stand in a TOML text: whatever tomllib finds has a place, and its costs are capped."""
 
 from __future__ import annotations
 
@@ -141,8 +141,8 @@ def quote(text: str) -> str:
 @st.composite
 def documents(draw: st.DrawFn) -> str:
     lines = []
-    for table in draw(st.lists(st.tuples(words, st.booleans(), st.dictionaries(words, values, max_size=3)), max_size=4)):
-        name, is_array, entries = table
+    tables = st.tuples(words, st.booleans(), st.dictionaries(words, values, max_size=3))
+    for name, is_array, entries in draw(st.lists(tables, max_size=4)):
         brackets = ("[[", "]]") if is_array else ("[", "]")
         lines.append(f"{brackets[0]} {quote(name)} . {quote('x')} {brackets[1]} # comment")
         lines += [f"{quote(k)} = {written(v, draw)}" for k, v in entries.items()]

@@ -1,0 +1,123 @@
+"""The unit circle in two parts: where Delta is kept from zero, and pockets round the places where it may vanish.
+
+A first walk along the circle gets stuck where Delta has a zero on the circle or close to it. There a disc across the
+circle is sought over which the decaying roots keep apart from the others; in it Delta is analytic, and a walk round it
+counts the zeros. The walk along the circle then goes round all pockets.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from gks.modes.chart import Chart
+from gks.modes.discs import Discs
+from gks.modes.kreissdiscs import Region, region_of
+from gks.modes.tables import Tables
+from gks.modes.winding import Walk, full_circle, half_circle, walk
+
+FIRST_SMALLEST = 2.0**-11
+"""A twelfth of the first steps' length: what is stuck at it is the neighbourhood of a zero, or of a branch point."""
+LAST_SMALLEST = 2.0**-34
+"""Towards a branch point on the circle steps shrink in a few dozen halvings; at 2**-34 the radii of inclusion discs, near
+the square root of the rounding error there, no longer do."""
+LARGEST, LEAST = 2.0**-4, 2.0**-9
+"""Radii tried for pockets. The least is wider than a stuck stretch next to a single zero."""
+MARGIN = 1.125
+"""A pocket's region is that much wider than the pocket, so that the discs along its boundary lie in it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Pocket:
+    """A disc (centre real, or in the upper half-plane with the disc) with ``count`` zeros of Delta in it."""
+
+    centre: complex
+    radius: float
+    region: Region
+    walk: Walk
+
+    @property
+    def count(self) -> int:
+        return round(self.walk.zeros)
+
+
+@dataclass(frozen=True, slots=True)
+class Circle:
+    """The walk along the unit circle round the pockets; it encloses every zero with abs(w) < 1 that no pocket holds."""
+
+    walk: Walk
+    pockets: tuple[Pocket, ...]
+
+    @property
+    def count(self) -> int:
+        return round(self.walk.zeros)
+
+
+def circled(tables: Tables[Discs], chart: Chart) -> Circle:
+    """Finds the pockets and walks round them; what stays stuck is in the walk."""
+    first = walk(tables, chart, half_circle(), FIRST_SMALLEST)
+    if not first.stuck:
+        return Circle(first, ())
+    places = _gathered(first.stuck)
+    pockets = []
+    for place in places:
+        others = [other for other in places if other is not place]
+        found = _pocket(tables, chart, place, others)
+        if found is not None:
+            pockets.append(found)
+    last = walk(tables, chart, half_circle([(p.centre, p.radius) for p in pockets]), LAST_SMALLEST)
+    return Circle(last, tuple(pockets))
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """A stretch of the circle: a point of the disc's closure and how far its stuck steps reach from there."""
+
+    centre: complex
+    reach: float
+
+
+def _gathered(stuck: Sequence[complex]) -> list[Place]:
+    """Neighbouring stuck steps as one stretch; one near the real axis is centred on it."""
+    points = sorted(stuck, key=lambda w: float(np.angle(w)))
+    groups: list[list[complex]] = [[points[0]]]
+    for w in points[1:]:
+        if abs(w - groups[-1][-1]) < 2 * LEAST:
+            groups[-1].append(w)
+        else:
+            groups.append([w])
+    places = []
+    for group in groups:
+        middle = (group[0] + group[-1]) / 2
+        centre = middle / abs(middle)
+        if centre.imag < LEAST:
+            centre = complex(np.sign(centre.real))
+        places.append(Place(centre, max(abs(w - centre) for w in group) + FIRST_SMALLEST))
+    return places
+
+
+def _radii(place: Place, others: Sequence[Place]) -> Iterator[float]:
+    """Radii that hold the place and keep clear of the real axis (unless centred there) and of the other places."""
+    room = [abs(place.centre - other.centre) - other.reach for other in others]
+    most = min([LARGEST, *(r / 3 for r in room)])
+    if place.centre.imag:
+        most = min(most, place.centre.imag / (2 * MARGIN))
+    radius = LARGEST
+    while radius >= LEAST:
+        if place.reach < radius <= most:
+            yield radius
+        radius /= 2
+
+
+def _pocket(tables: Tables[Discs], chart: Chart, place: Place, others: Sequence[Place]) -> Pocket | None:
+    for radius in _radii(place, others):
+        disc = Discs(np.array([place.centre]), np.array([MARGIN * radius]))
+        region = region_of(tables, chart, disc, place.centre * (1 - radius / 2))
+        if region is None:
+            continue
+        boundary = walk(tables, chart, full_circle(place.centre, radius), FIRST_SMALLEST * radius, region)
+        if not boundary.stuck:
+            return Pocket(place.centre, radius, region, boundary)
+    return None
