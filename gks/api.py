@@ -17,10 +17,10 @@ from gks.errors import ParameterError, TooLarge
 
 if TYPE_CHECKING:
     from gks.bounds.audit import Audit
-    from gks.bounds.curve import Curve
     from gks.bounds.sweep import Sweep
     from gks.modes import ModesResult
     from gks.modes.derive import Derivation
+    from gks.reports.notebook import PicturedCurve
     from gks.scheme.model import Scheme
     from gks.solvers.march import MarchResult
 
@@ -67,7 +67,7 @@ class LoadedScheme:
 
     def curve(
         self, values: Mapping[str, Sweepable] | None = None, /, *, sweep: str | None = None, **named: Sweepable
-    ) -> Curve:
+    ) -> PicturedCurve:
         """The largest stable CFL number and all stable intervals: over one parameter, or at the one point given.
 
         The parameter that runs is the one given as an array, as text with colons, or by `sweep` as on the command line.

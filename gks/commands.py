@@ -102,7 +102,7 @@ def _audit(arguments: Namespace) -> str:
         from gks.bounds.audit import audit_catalogue
         from gks.solvers.march import march
 
-        return _shown(audit_catalogue(march, _said_to_a_terminal), arguments)
+        return _shown(audit_catalogue(march, progress=_said_to_a_terminal), arguments)
     if arguments.file is None:
         raise InputError("nothing to audit", expected="expected FILE or --all")
     from gks.api import load

@@ -7,6 +7,8 @@ from __future__ import annotations
 
 import io
 import os
+import textwrap
+import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from math import ceil, floor, log10
@@ -53,14 +55,16 @@ def new_figure() -> tuple[Figure, Axes]:
 
 def image(figure: Figure, kind: str, title: str) -> bytes:
     """The figure as a file's content ("png", "svg" or "pdf"), without date or program version."""
-    title = " ".join("".join(c if c.isprintable() else " " for c in title).split())
+    title = one_line(title)
     metadata: dict[str, Mapping[str, str | None]] = {
         "png": {"Software": None, "Title": title},
         "svg": {"Date": None, "Creator": None, "Title": title},
         "pdf": {"CreationDate": None, "Producer": None, "Creator": None, "Title": title},
     }
     target = io.BytesIO()
-    figure.savefig(target, format=kind, metadata=metadata[kind])
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "Glyph .* missing", UserWarning)  # a letter the font lacks is drawn as a box
+        figure.savefig(target, format=kind, metadata=metadata[kind])
     return target.getvalue()
 
 
@@ -93,5 +97,14 @@ LONGEST_DOC = 60
 
 
 def plain(text: str) -> str:
-    """A file's text as a label: one line, and no dollar sign starts mathematics."""
-    return " ".join(text.split()).replace("$", r"\$")
+    """A file's text as a label: one line of moderate length, in which no dollar sign starts mathematics."""
+    return textwrap.shorten(one_line(text), LONGEST_LABEL, placeholder=" ...").replace("$", r"\$")
+
+
+LONGEST_LABEL = 160
+"""Characters of a title: two lines."""
+
+
+def one_line(text: str) -> str:
+    """The text with a space for every run of white space and of what can't be printed."""
+    return " ".join("".join(c if c.isprintable() else " " for c in text).split())

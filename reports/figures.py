@@ -112,7 +112,8 @@ def draw_curve(curve: Curve, axes: Axes) -> None:
     if sweep is None or _is_point(curve):
         _draw_point(curve, axes)
         return
-    spots = sorted(filter(lambda s: isfinite(s.x), map(_spot, curve.points)), key=lambda s: s.x)
+    on_axis = (s for s in map(_spot, curve.points) if isfinite(s.x) and (s.x > 0 or not sweep.logarithmic))
+    spots = sorted(on_axis, key=lambda s: s.x)
     if sweep.logarithmic:
         axes.set_xscale("log")
     logarithmic = _set_lam_axis(axes, spots, logarithmic=sweep.logarithmic)

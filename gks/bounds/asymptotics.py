@@ -28,13 +28,17 @@ NEAR = Fraction(1, 100)
 def leading_term(curve: fmpz_mpoly, k: int, cell: Cell, end: str, name: str) -> Expr | None:
     """c p**e for the k-th positive root over ``cell``, which reaches ``end`` ("0", "oo" or "-oo"); None without a formula.
 
-    Exponents other than whole and half ones have no formula here.
+    Exponents other than whole and half ones, and an end at -oo, have no formula here.
     """
     p = _far(cell, end)
+    if (
+        p < 0
+        or (cell.low is not None and not cell.low < Root.of(p))
+        or (cell.high is not None and not Root.of(p) < cell.high)
+    ):
+        return None
     lam = ascending_roots(curve_at(curve, p))[k - 1]
     for exponent, poly in _edges(curve, end != "0"):
-        if p < 0:
-            continue
         for c in ascending_roots(poly):
             if _follows(lam, c, p, exponent):
                 return _term(c, exponent, name)
@@ -50,10 +54,10 @@ def _far(cell: Cell, end: str) -> Fraction:
 def _edges(curve: fmpz_mpoly, upper: bool) -> Iterator[tuple[Fraction, fmpz_poly]]:
     """Exponent e and polynomial in c of every edge: terms a p**i lam**j with i + e j extreme."""
     terms = {(int(i), int(j)): int(c) for (i, j), c in curve.to_dict().items()}
-    extreme = {}
+    extreme: dict[int, int] = {}
     for i, j in terms:
         extreme[j] = max(i, extreme.get(j, i)) if upper else min(i, extreme.get(j, i))
-    slopes = {Fraction(i - other, l - j) for j, i in extreme.items() for l, other in extreme.items() if l > j}
+    slopes = {Fraction(i - other, k - j) for j, i in extreme.items() for k, other in extreme.items() if k > j}
     for e in sorted(slopes):
         sizes = {j: i + e * j for j, i in extreme.items()}
         top = max(sizes.values()) if upper else min(sizes.values())

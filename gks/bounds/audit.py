@@ -2,7 +2,8 @@
 
 Nothing here knows what any publication says. A claim is a bound on the CFL number, a verdict or a modulus; each kind is
 derived in one way and compared exactly. A claim that fails comes with exact parameter values at which it does, the root
-that shows it, and a march there, if the caller gives a marcher (`gks.solvers.march.march`).
+that shows it, and a march there, if the caller gives a marcher (`gks.solvers.march.march`). A bound is held at exact
+values all over its range, which can refute it and can't prove it; with a prover the theorem stands beside it.
 """
 
 from __future__ import annotations
@@ -20,13 +21,14 @@ from gks.errors import GksError, InputError
 from gks.scheme.model import Claim, Scheme
 
 
-class MarchLike(Protocol):
-    """What a marcher gives: the object of gks.march/1."""
+class Result(Protocol):
+    """What a marcher or a prover gives: the object of gks.march/1, of gks.theorem/1."""
 
     def to_json(self) -> Mapping[str, object]: ...
 
 
-Marcher = Callable[[Scheme, Mapping[str, Fraction]], MarchLike]
+Route = Callable[[Scheme, Mapping[str, Fraction]], Result]
+"""A second way to look at a scheme, given by the caller: a march at these values, a theorem with these values set."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,17 +107,22 @@ class CatalogueAudit:
         return "\n".join([*lines, f"({_count([held for _, held in rows])}, {total:.3g} s)"])
 
 
-def audit(scheme: Scheme, marcher: Marcher | None = None) -> Audit:
+def audit(scheme: Scheme, marcher: Route | None = None, prover: Route | None = None) -> Audit:
     """Hold every claim of a scheme against the derivation.
 
     A claim that the analysis does not reach is undecided, with the reason; it never holds or fails for that.
     """
     start = perf_counter()
-    held = tuple(Held(claim, _marched(scheme, _finding(scheme, claim), marcher)) for claim in scheme.claims)
-    return Audit(scheme, held, perf_counter() - start)
+    held = []
+    for claim in scheme.claims:
+        finding = _proved(scheme, claim, _finding(scheme, claim), prover)
+        held.append(Held(claim, _marched(scheme, finding, marcher)))
+    return Audit(scheme, tuple(held), perf_counter() - start)
 
 
-def audit_catalogue(marcher: Marcher | None = None, progress: Callable[[str], None] | None = None) -> CatalogueAudit:
+def audit_catalogue(
+    marcher: Route | None = None, prover: Route | None = None, progress: Callable[[str], None] | None = None
+) -> CatalogueAudit:
     """The audits of all shipped schemes that carry claims; `progress` is told the name of each before it begins."""
     from gks import catalogue
 
@@ -125,7 +132,7 @@ def audit_catalogue(marcher: Marcher | None = None, progress: Callable[[str], No
                 progress(name)
             scheme = catalogue.find(name)
             if scheme.claims:
-                yield audit(scheme, marcher)
+                yield audit(scheme, marcher, prover)
 
     return CatalogueAudit(tuple(audits()))
 
@@ -164,7 +171,22 @@ def _together(findings: Sequence[Finding]) -> Finding:
     return replace(worst, derived="; ".join(finding.derived for finding in findings), evidence=evidence)
 
 
-def _marched(scheme: Scheme, finding: Finding, marcher: Marcher | None) -> Finding:
+def _proved(scheme: Scheme, claim: Claim, finding: Finding, prover: Route | None) -> Finding:
+    """The finding for a bound with the theorem that holds in its place or beside it."""
+    if prover is None or claim.bound is None:
+        return finding
+    try:
+        theorem = prover(scheme, {name: value for name, value in claim.at.items() if name != scheme.cfl}).to_json()
+    except GksError as error:
+        return replace(finding, evidence={**finding.evidence, "theorem": {"refused": str(error)}})
+    told = {key: theorem.get(key) for key in ("status", "statement")}
+    derived = finding.derived
+    if told["status"] == "proved" and finding.status is Status.FAILS:
+        derived = f"{told['statement']} ({derived})"
+    return replace(finding, derived=derived, evidence={**finding.evidence, "theorem": told})
+
+
+def _marched(scheme: Scheme, finding: Finding, marcher: Route | None) -> Finding:
     """A failing claim's finding with a march at its counterexample, or with the reason why there is none."""
     if marcher is None or finding.counterexample is None:
         return finding

@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 
 from gks.bounds.rays import Intervals, everything, intersect, stable_intervals
 from gks.bounds.sweep import Point
+from gks.errors import InputError
 from gks.modes.algebraic import Root
 from gks.modes.cauchy import degree_in
 from gks.modes.cauchy_set import CauchySet, cauchy_set
@@ -56,9 +57,8 @@ class BatchSet:
 
 def batch(scheme: Scheme, values: Mapping[str, Fraction], name: str, points: Sequence[Point]) -> BatchSet | None:
     """The stable sets at the points, None where the scheme is not of the kind this route is for."""
-    sample = {**values, name: Fraction(points[len(points) // 2])}
-    problem = normal_mode_problem(scheme, sample, (name, scheme.cfl))
-    if not _applies(problem):
+    problem = _at_some_point(scheme, values, name, points)
+    if problem is None or not _applies(problem):
         return None
     try:
         elimination = characteristic_factors(problem)
@@ -67,6 +67,9 @@ def batch(scheme: Scheme, values: Mapping[str, Fraction], name: str, points: Seq
     factors = [factor.polynomial for factor in elimination.factors]
     lam, swept = (problem.coefficients.variable(symbol) for symbol in (scheme.cfl, name))
     if elimination.lost_sheet or any(degree_in(f, lam) or degree_in(f, "s") > MAX_DEGREE for f in factors):
+        return None
+    exceptional = [*elimination.idle, *problem.coefficients.inverted.values()]
+    if any(degree_in(f, lam) for f in exceptional):
         return None
     parameter = _double_double(points)
     with np.errstate(all="ignore"):  # what overflows is flagged and goes to the exact route
@@ -77,7 +80,23 @@ def batch(scheme: Scheme, values: Mapping[str, Fraction], name: str, points: Seq
         for factor in factors:
             result = intersect(result, _closure(problem, factor, swept, parameter))
         result.resolved[:] &= _same_signs(problem, swept, parameter)
+        for polynomial in exceptional:
+            # A degenerate closure or a division by zero: the exact route says which.
+            value, error = _at(polynomial, swept, parameter)
+            result.resolved[:] &= np.abs(value.hi) > 2 * error
     return BatchSet(result, np.where(interior.count > 0, np.where(interior.lo[:, 0] == 0, interior.hi[:, 0], 0.0), 0.0))
+
+
+def _at_some_point(
+    scheme: Scheme, values: Mapping[str, Fraction], name: str, points: Sequence[Point]
+) -> NormalModeProblem | None:
+    """The problem with the parameter and lam as symbols; None where the first values tried give no scheme."""
+    for value in (points[len(points) // 2], points[len(points) // 3]):
+        try:
+            return normal_mode_problem(scheme, {**values, name: Fraction(value)}, (name, scheme.cfl))
+        except InputError:
+            continue
+    return None
 
 
 def _applies(problem: NormalModeProblem) -> bool:

@@ -33,7 +33,8 @@ from gks.modes.fibre import coefficients as powers_of
 from gks.modes.fibre import norm, specialise, univariate
 from gks.modes.interior import amplification, field_symbol
 from gks.modes.kreiss import NormalModeProblem, normal_mode_problem
-from gks.modes.polynomial import characteristic_factors
+from gks.modes.polynomial import Degenerate, characteristic_factors
+from gks.modes.solvable import degenerate_closure
 from gks.scheme.expression import Expr
 from gks.scheme.model import Scheme, WrittenDiscrete, WrittenLines
 
@@ -89,7 +90,7 @@ def _in_plane(problem: NormalModeProblem, parameter: str, polynomial: fmpz_mpoly
     polynomial = problem.coefficients.norm(polynomial)
     names = polynomial.context().names()
     p, lam = (names.index(problem.coefficients.variable(n)) for n in (parameter, problem.resolvent.cfl))
-    terms: dict[tuple[int, int], int] = {}
+    terms: dict[tuple[int, ...], int] = {}
     for powers, coefficient in polynomial.to_dict().items():
         if any(power for k, power in enumerate(powers) if k not in (p, lam)):
             raise ValueError(f"a boundary polynomial holds more than {parameter} and lam: {polynomial}")
@@ -98,9 +99,15 @@ def _in_plane(problem: NormalModeProblem, parameter: str, polynomial: fmpz_mpoly
 
 
 def _closure(problem: NormalModeProblem) -> Iterator[fmpz_mpoly]:
-    factors = growth_factors(problem, characteristic_factors(problem).factors)
+    try:
+        elimination = characteristic_factors(problem)
+    except Degenerate:
+        raise degenerate_closure(problem) from None
+    yield from elimination.idle
+    factors = growth_factors(problem, [*elimination.factors, *elimination.clearing])
     yield from boundary_polynomials(problem, factors)
     for locus in _unimodular_loci(problem):
+        yield from _at_ends(locus, "z")
         for factor in factors:
             if locus != factor:
                 yield factor.resultant(locus, "z")
@@ -109,8 +116,9 @@ def _closure(problem: NormalModeProblem) -> Iterator[fmpz_mpoly]:
 def _unimodular_loci(problem: NormalModeProblem) -> list[fmpz_mpoly]:
     """Where a unimodular z has a unimodular spatial root; of nondissipative factors, where two of these meet.
 
-    At z = 1 and -1 the growth factors have curves of their own. An irreducible locus that has a unimodular z over an open
-    set of (p, lam) is its own reciprocal; others meet the circle on the interior's curves.
+    Dissipative factors have such a pair at z = 1 or -1, where the growth factors have curves of their own. An irreducible
+    locus that has a unimodular z over an open set of (p, lam) is its own reciprocal; others meet the circle on the interior's
+    curves.
     """
     loci: list[fmpz_mpoly] = []
     for family in problem.families:
@@ -126,7 +134,11 @@ def _unimodular_loci(problem: NormalModeProblem) -> list[fmpz_mpoly]:
         damped = [f for f, _ in factors.powers if f not in neutral]
         loci += [f.resultant(spot, "x") for spot in _touching(factors) for f in damped]
     moving = (norm(problem.coefficients.point(), locus) for locus in loci if not locus.is_zero())
-    return [g for g in _irreducible(moving) if g.total_degree() > 1 and reciprocal_in(g, ("z",)) in (g, -g) and degree_in(g, "z")]
+    return [
+        g
+        for g in _irreducible(moving)
+        if g.total_degree() > 1 and reciprocal_in(g, ("z",)) in (g, -g) and degree_in(g, "z")
+    ]
 
 
 def _touching(factors: Factors) -> Iterator[fmpz_mpoly]:

@@ -87,4 +87,3 @@ def _exact(curve: Terms, degree: int, k: int, p: Fraction) -> float:
         return float("nan")
     ends = by_real_part(positive_roots([poly]))
     return float(exact_fraction(ends[k - 1].ball(ROUNDING_BITS).real)) if k <= len(ends) else float("nan")
-

@@ -18,7 +18,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import combinations, pairwise
 
-from flint import arb, ctx, fmpq, fmpz_mpoly, fmpz_poly
+from flint import acb, arb, ctx, fmpq, fmpz_mpoly, fmpz_poly
 
 from gks.bounds.boundary import PLANE, Boundary, boundary, curve_at, in_parameter
 from gks.bounds.cfl import Limit, StableSet, stable_set
@@ -209,28 +209,16 @@ class _Decomposer:
         return None if bound is None or bound.is_zero else self.verdict(p, bound)
 
     def verdict(self, p: Fraction | Root, lam: Root) -> Verdict:
-        """The exact verdict at a point; UNSTABLE where no scheme exists (a division by zero, a degenerate closure)."""
-        values = {**self.at(p), self.scheme.cfl: lam if lam.rational is None else lam.rational}
-        try:
-            if interior_stability(normal_mode_problem(self.scheme, values)) is not None:
-                return Verdict.UNSTABLE
-            return quick_verdict(self.scheme, values)
-        except InputError:
-            return Verdict.UNSTABLE
+        return verdict_at(self.scheme, {**self.at(p), self.scheme.cfl: lam})
 
     def contains(self, cell: Cell, lam: Fraction, p: Fraction) -> bool:
         """Whether (p, lam), on no curve, is stable."""
         here = Root.of(lam)
         for span in cell.spans:
-            low, high = (None if end is None else self.value(end, p) for end in (span.low, span.high))
+            low, high = (None if end is None else value_of(self.boundary, end, p) for end in (span.low, span.high))
             if (low is None or low < here) and (high is None or here < high):
                 return True
         return False
-
-    def value(self, end: Branch | Root, p: Fraction) -> Root:
-        if isinstance(end, Root):
-            return end
-        return ascending_roots(curve_at(self.boundary.curves[end.curve], p))[end.k - 1]
 
     # Cuts -------------------------------------------------------------------------------------------------------------
 
@@ -260,7 +248,9 @@ class _Decomposer:
         points = meeting_points(self.boundary.curves, root, sorted(cause.pairs))
         for lam, multiplicity in points.items():
             below, above = self._isolated(root, lam, multiplicity)
-            p = self.beside(left, root, [specialise(c, {"lam": e}) for c in self.boundary.curves for e in (below, above)])
+            p = self.beside(
+                left, root, [specialise(c, {"lam": e}) for c in self.boundary.curves for e in (below, above)]
+            )
             if self.contains(left, below, p) and self.contains(left, above, p):
                 yield lam
 
@@ -314,12 +304,32 @@ class _Decomposer:
         """Where a branch tends: a positive number, 0, or "oo"."""
         assert isinstance(branch, Branch)
         curve = self.boundary.curves[branch.curve]
-        ends = by_real_part(_distinct(r.root for r in fibre({"p": root}, curve, "lam") if r.root.is_real and r.root.ball().real > 0))
+        ends = by_real_part(
+            _distinct(r.root for r in fibre({"p": root}, curve, "lam") if r.root.is_real and r.root.ball().real > 0)
+        )
         gates = _gates(ends)
         p = self.beside(cell, root, [specialise(curve, {"lam": gate}) for gate in gates])
-        here = self.value(branch, p)
+        here = value_of(self.boundary, branch, p)
         place = sum(Root.of(gate) < here for gate in gates)
         return 0 if place == 0 else "oo" if place == len(gates) else ends[place - 1]
+
+
+def value_of(found: Boundary, end: Branch | Root, p: Fraction) -> Root:
+    """The number that an end of a stable interval is at p."""
+    if isinstance(end, Root):
+        return end
+    return ascending_roots(curve_at(found.curves[end.curve], p))[end.k - 1]
+
+
+def verdict_at(scheme: Scheme, values: Mapping[str, Fraction | Root]) -> Verdict:
+    """The exact verdict at a point; UNSTABLE where no scheme exists (a division by zero, a degenerate closure)."""
+    exact = {n: v if isinstance(v, Fraction) or v.rational is None else v.rational for n, v in values.items()}
+    try:
+        if interior_stability(normal_mode_problem(scheme, exact)) is not None:
+            return Verdict.UNSTABLE
+        return quick_verdict(scheme, exact)
+    except InputError:
+        return Verdict.UNSTABLE
 
 
 # Criticality ---------------------------------------------------------------------------------------------------------
@@ -402,9 +412,9 @@ def _simplest(low: Fraction | None, high: Fraction | None) -> Fraction:
     return -simplest_between(-high, None if low is None else -low)
 
 
-def _hull(low: Fraction, high: Fraction) -> arb:
+def _hull(low: Fraction, high: Fraction) -> acb:
     ends = [arb(fmpq(e.numerator, e.denominator)) for e in (low, high)]
-    return ends[0].union(ends[1])
+    return acb(ends[0].union(ends[1]))
 
 
 def shown(value: Fraction | Root) -> str:

@@ -19,9 +19,8 @@ from flint import acb, ctx, fmpq, fmpz_mpoly, fmpz_poly
 from gks.bounds.boundary import PLANE
 from gks.errors import TooLarge
 from gks.modes.algebraic import GUARD_BITS, START_BITS, Root
-from gks.modes.fibre import embed
 from gks.modes.fibre import coefficients as powers_of
-from gks.modes.fibre import univariate
+from gks.modes.fibre import embed, univariate
 from gks.scheme.expression import Expr, add, mul, number, power, sqrt, symbol
 
 MODEST = 400
@@ -41,7 +40,12 @@ def closed_form(curve: fmpz_mpoly, p: Fraction, lam: Root, name: str) -> Expr | 
     while bits <= TELL_BITS:
         with ctx.workprec(bits + GUARD_BITS):
             target = lam.ball(bits)
-            hits = [f for f in formulas if (value := ball(f, {name: acb(fmpq(p.numerator, p.denominator))})) is not None and value.overlaps(target)]
+            hits = [
+                f
+                for f in formulas
+                if (value := ball(f, {name: acb(fmpq(p.numerator, p.denominator))})) is not None
+                and value.overlaps(target)
+            ]
         if len(hits) <= 1:
             return hits[0] if hits else None
         bits *= 2
@@ -59,7 +63,11 @@ def number_form(value: Root) -> Expr | None:
         poly = fmpz_poly([-c if k % 2 else c for k, c in enumerate(list(poly))])
     with ctx.workprec(START_BITS + GUARD_BITS):
         target = -value.ball() if mirrored else value.ball()
-        hits = [f for f in _solutions(embed(poly, PLANE, "lam"), "p") if (b := ball(f, {})) is not None and b.overlaps(target)]
+        hits = [
+            f
+            for f in _solutions(embed(poly, PLANE, "lam"), "p")
+            if (b := ball(f, {})) is not None and b.overlaps(target)
+        ]
     if len(hits) != 1 or len(str(hits[0])) > MODEST:
         return None
     return -hits[0] if mirrored else hits[0]
@@ -110,7 +118,8 @@ def _solutions(curve: fmpz_mpoly, name: str) -> Iterator[Expr]:
     lam = PLANE.gens()[1]
     lead, next_to = parts[-1], parts[-2]
     shifted = sum(
-        (part * (lam - next_to) ** k * (degree * lead) ** (degree - k) for k, part in enumerate(parts)), PLANE.constant(0)
+        (part * (lam - next_to) ** k * (degree * lead) ** (degree - k) for k, part in enumerate(parts)),
+        PLANE.constant(0),
     )
     depressed = powers_of(shifted / lead, "lam")
     if degree == 2:
@@ -124,7 +133,9 @@ def _solutions(curve: fmpz_mpoly, name: str) -> Iterator[Expr]:
 class _Surd:
     """outer * sqrt(a + b sqrt(c)) / divisor, or a sum of two single roots; polynomials in p."""
 
-    def __init__(self, outer: fmpz_mpoly, terms: Sequence[tuple[int, fmpz_mpoly, fmpz_mpoly, fmpz_mpoly]], divisor: int) -> None:
+    def __init__(
+        self, outer: fmpz_mpoly, terms: Sequence[tuple[int, fmpz_mpoly, fmpz_mpoly, fmpz_mpoly]], divisor: int
+    ) -> None:
         self.outer, self.terms, self.divisor = outer, terms, divisor
 
     @property
@@ -158,7 +169,10 @@ def _biquadratic(middle: fmpz_mpoly, last: fmpz_mpoly) -> Iterator[_Surd]:
         pair = [_without_squares(2 * root - middle), _without_squares(-2 * root - middle)]
         common = pair[0][0].gcd(pair[1][0])
         for signs in ((1, 1), (1, -1), (-1, 1), (-1, -1)):
-            terms = [(sign, inside * (outside / common) ** 2, zero, zero) for sign, (outside, inside) in zip(signs, pair, strict=True)]
+            terms = [
+                (sign, inside * (outside / common) ** 2, zero, zero)
+                for sign, (outside, inside) in zip(signs, pair, strict=True)
+            ]
             yield _Surd(common, terms, 2)
         return
     outside, inside = _without_squares(middle * middle - 4 * last)
@@ -192,7 +206,8 @@ def _back(y: _Surd, shift: fmpz_mpoly, scale: fmpz_mpoly, name: str) -> Expr:
         rational = _expanded(-above, name) / number(int(below.leading_coefficient()))
         surd = _over(y.formula(outer / rest, name), divisor / rest, name)
         return add([surd, rational]) if y.positive and _starts_negative(-above) else add([rational, surd])
-    return _over(add([_expanded(-shift, name), y.formula(outer, name)]), divisor, name)
+    both = [_expanded(-shift, name), y.formula(outer, name)]
+    return _over(add(both[::-1] if y.positive and _starts_negative(-shift) else both), divisor, name)
 
 
 def _starts_negative(value: fmpz_mpoly) -> bool:

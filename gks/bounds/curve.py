@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from gks.bounds.cfl import Limit, stable_set
 from gks.bounds.sweep import Point, Sweep
+from gks.errors import InputError, ParameterError, quoted
 from gks.modes.algebraic import Root
 from gks.modes.numerals import exact_fraction, json_real, text_real
 from gks.scheme.model import Scheme
@@ -155,20 +156,34 @@ def curve(
 ) -> Curve:
     """The curve over a sweep, or the one point at the values given.
 
-    ``progress`` is called with the number of points done and the number there are. Raises InputError as the
-    analyses do.
+    ``progress`` is called with the number of points done and the number there are. Values of the swept parameter at
+    which there is no scheme (a division by zero, a degenerate closure) are flagged points. Raises InputError as the
+    analyses do, in a sweep where they do at every point.
     """
     start = perf_counter()
     if over is None:
         points: Sequence[CurvePoint] = [_exact_point(scheme, values, None)]
     else:
         scheme.parameter(over.name)
-        points = list(_swept(scheme, values, over, progress))
+        if over.name == scheme.cfl:
+            raise ParameterError(
+                f"{quoted(over.name)} is the number whose bound is sought",
+                path="--sweep",
+                expected="another parameter to sweep over",
+            )
+        faults: list[InputError] = []
+        points = list(_swept(scheme, values, over, progress, faults))
+        if len(faults) == len(points):
+            raise faults[0]
     return Curve(scheme, dict(values), over, points, perf_counter() - start)
 
 
 def _swept(
-    scheme: Scheme, values: Mapping[str, Fraction], over: Sweep, progress: Progress | None
+    scheme: Scheme,
+    values: Mapping[str, Fraction],
+    over: Sweep,
+    progress: Progress | None,
+    faults: list[InputError],
 ) -> Iterator[CurvePoint]:
     total = len(over.values)
     batched = total > 1
@@ -179,9 +194,9 @@ def _swept(
         if found is None:
             batched = False
             block = block[:1]
-            yield _exact_point(scheme, {**values, over.name: Fraction(block[0])}, block[0])
+            yield _point_of_sweep(scheme, values, over.name, block[0], faults)
         else:
-            yield from _batched_points(scheme, values, over.name, block, found)
+            yield from _batched_points(scheme, values, over.name, block, found, faults)
         done += len(block)
         if progress is not None:
             progress(done, total)
@@ -194,7 +209,12 @@ def _batch(scheme: Scheme, values: Mapping[str, Fraction], name: str, block: Seq
 
 
 def _batched_points(
-    scheme: Scheme, values: Mapping[str, Fraction], name: str, block: Sequence[Point], found: BatchSet
+    scheme: Scheme,
+    values: Mapping[str, Fraction],
+    name: str,
+    block: Sequence[Point],
+    found: BatchSet,
+    faults: list[InputError],
 ) -> Iterator[CurvePoint]:
     stable = found.stable
     errors = stable.error().tolist()
@@ -204,7 +224,7 @@ def _batched_points(
         block, lows, highs, counts, errors, limits, resolved, strict=True
     ):
         if not good:
-            yield _exact_point(scheme, {**values, name: Fraction(value)}, value)
+            yield _point_of_sweep(scheme, values, name, value, faults)
             continue
         spans = tuple((low[j], "oo" if high[j] == INFINITE else high[j]) for j in range(count))
         first = high[0] if count and low[0] == 0 else 0.0
@@ -220,13 +240,23 @@ def _number(value: Point) -> Number:
     return value if isinstance(value, float) else json_real(value)
 
 
+def _point_of_sweep(
+    scheme: Scheme, values: Mapping[str, Fraction], name: str, value: Point, faults: list[InputError]
+) -> CurvePoint:
+    try:
+        return _exact_point(scheme, {**values, name: Fraction(value)}, value)
+    except InputError as fault:
+        faults.append(fault)
+        return CurvePoint(_number(value), None, None, (), 0.0, False, str(fault))
+
+
 def _exact_point(scheme: Scheme, values: Mapping[str, Fraction], value: Point | None) -> CurvePoint:
     shown = None if value is None else _number(value)
     found = stable_set(scheme, values)
     if found.undecided is not None:
         return CurvePoint(shown, None, None, (), 0.0, False, found.undecided)
     spans = tuple((_end(i.low, 0.0), _end(i.high, "oo")) for i in found.intervals)
-    exact = all(end is None or end.rational is not None for i in found.intervals for end in (i.low, i.high))
+    exact = all(_is_printed(end) for i in found.intervals for end in (i.low, i.high))
     top = _end(found.lam_max, "oo") if not semi_discrete(scheme) else None
     return CurvePoint(shown, top, found.limited_by, spans, 0.0 if exact else DOUBLE_ERROR, True)
 
@@ -242,6 +272,14 @@ def _end(end: Root | None, otherwise: Number) -> Number:
         return otherwise
     rational = end.rational
     return json_real(exact_fraction(end.ball(_ROUNDING_BITS).real) if rational is None else rational)
+
+
+def _is_printed(end: Root | None) -> bool:
+    """Whether the number shown for an end is the end itself and not its rounding."""
+    if end is None:
+        return True
+    rational = end.rational
+    return rational is not None and Fraction(json_real(rational)) == rational
 
 
 _ROUNDING_BITS = 80

@@ -11,12 +11,12 @@ from gks.scheme.expression import Expr
 
 
 class _Part(NamedTuple):
-    """LaTeX with what its neighbours must know: a sum, a negative, what it is a reciprocal of, whether a number."""
+    """LaTeX with what its neighbours must know: whether it is a sum, what it is a reciprocal of, its value if a number."""
 
     text: str
     is_sum: bool = False
     below: str | None = None
-    is_number: bool = False
+    value: Fraction | None = None
 
     @property
     def factor(self) -> str:
@@ -25,39 +25,59 @@ class _Part(NamedTuple):
 
 def latex(formula: Expr) -> str:
     """The formula as LaTeX, divisions as fractions."""
-    part = formula.fold(_Latex())
+    return _standing(formula.fold(_Latex()))
+
+
+def _standing(part: _Part) -> str:
+    """A part on its own, or as a summand."""
     return rf"\frac{{1}}{{{part.below}}}" if part.below is not None else part.text
 
 
 class _Latex:
     def number(self, value: Fraction) -> _Part:
-        if value.denominator == 1:
-            return _Part(str(value), is_number=True)
-        sign = "-" if value < 0 else ""
-        return _Part(rf"{sign}\frac{{{abs(value.numerator)}}}{{{value.denominator}}}", is_number=True)
+        size, sign = abs(value), "-" if value < 0 else ""
+        text = str(size) if size.denominator == 1 else rf"\frac{{{size.numerator}}}{{{size.denominator}}}"
+        return _Part(sign + text, value=value)
 
     def symbol(self, name: str) -> _Part:
         return _Part(latex_name(name))
 
     def add(self, terms: Sequence[_Part]) -> _Part:
         text = ""
-        for term in terms:
-            own = rf"\frac{{1}}{{{term.below}}}" if term.below is not None else term.text
+        for own in map(_standing, terms):
             text += own if not text else f" - {own[1:]}" if own.startswith("-") else f" + {own}"
         return _Part(text, is_sum=True)
 
     def mul(self, factors: Sequence[_Part]) -> _Part:
-        above = [f for f in factors if f.below is None]
-        below = [f for f in factors if f.below is not None]
-        sign = ""
-        if above and above[0].text.startswith("-") and above[0].is_number:
-            sign, rest = "-", above[0].text[1:]
-            above = above[1:] if rest == "1" else [_Part(rest, is_number=True), *above[1:]]
-        if not below:
-            return _Part(sign + (" ".join(f.factor for f in above) or "1"))
-        top = above[0].text if len(above) == 1 else " ".join(f.factor for f in above) or "1"
-        bottom = (f"\\left({f.below}\\right)" if f.is_sum and len(below) > 1 else f"{f.below}" for f in below)
-        return _Part(rf"{sign}\frac{{{top}}}{{{' '.join(bottom)}}}")
+        """Numbers and signs in front, everything divided by below one bar."""
+        constant = Fraction(1)
+        above: list[_Part] = []
+        for part in factors:
+            if part.value is not None:
+                constant *= part.value
+            elif part.below is None and not part.is_sum and part.text.startswith("-"):
+                constant = -constant
+                above.append(_Part(part.text[1:]))
+            elif part.below is None:
+                above.append(part)
+        below = [part for part in factors if part.below is not None]
+        sign, constant = "-" if constant < 0 else "", abs(constant)
+        top = self._row(constant.numerator, above, alone=bool(below) or constant.denominator > 1)
+        if constant.denominator == 1 and not below:
+            return _Part(sign + top)
+        bottom = [
+            rf"\left({b.below}\right)" if b.is_sum and (len(below) > 1 or constant.denominator > 1) else f"{b.below}"
+            for b in below
+        ]
+        return _Part(
+            rf"{sign}\frac{{{top}}}{{{' '.join([str(constant.denominator)] * (constant.denominator > 1) + bottom)}}}"
+        )
+
+    def _row(self, number: int, factors: Sequence[_Part], *, alone: bool) -> str:
+        """A product; a sum that stands alone above a bar needs no parentheses."""
+        if number == 1 and len(factors) == 1 and alone:
+            return factors[0].text
+        return " ".join(([str(number)] if number != 1 or not factors else []) + [f.factor for f in factors])
 
     def power(self, base: _Part, exponent: int) -> _Part:
         size = abs(exponent)

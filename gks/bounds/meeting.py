@@ -20,7 +20,9 @@ Element = fmpq_poly
 """An element of Q[p]/(g), reduced."""
 
 
-def meeting_points(curves: Sequence[fmpz_mpoly], root: Root, pairs: Iterable[tuple[int, int]]) -> dict[Root, dict[int, int]]:
+def meeting_points(
+    curves: Sequence[fmpz_mpoly], root: Root, pairs: Iterable[tuple[int, int]]
+) -> dict[Root, dict[int, int]]:
     """The positive lam over ``root`` at which curves meet, with the multiplicity of each curve there.
 
     ``pairs`` name the curves whose resultant vanishes at ``root``; (i, i) stands for the discriminant of curve i.
@@ -66,7 +68,7 @@ class _Field:
     def cleared(self, poly: Sequence[Element]) -> fmpz_mpoly:
         """With integer coefficients, in the plane."""
         clear = lcm(*(int(c.denom()) for c in poly))
-        terms = {}
+        terms: dict[tuple[int, ...], int] = {}
         for k, c in enumerate(poly):
             for power, value in enumerate(list(c)):
                 scaled = value * clear

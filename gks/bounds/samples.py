@@ -16,14 +16,14 @@ from gks.modes.unimodular import simplest_between
 from gks.scheme.expression import Expr
 from gks.scheme.model import Claim, Parameter, Scheme
 
-SPREAD = 32
+SPREAD = 16
 """Values of each open parameter, whatever its range."""
 
 UNBOUNDED_DECADES = 6
 """How far from the default values go towards an end that is 0 or infinite."""
 
 BISECTIONS = 12
-"""Halvings that close in on the point where a formula goes from one of its pieces to another: to 1/4000 of a gap."""
+"""How closely the point is looked at where a formula goes from one of its pieces to another: 2**-12 of a gap."""
 
 Values = Mapping[str, Fraction]
 
@@ -119,18 +119,17 @@ def _meeting(one: Expr, other: Expr, sets: Sequence[Values], name: str) -> Itera
         if sign is None or next_sign is None or sign * next_sign >= 0:
             continue
         low, high = before[name], after[name]
-        for _ in range(BISECTIONS):
+        near = (high - low) / 2**BISECTIONS
+        while high - low > near:
             middle = _simplest(low + (high - low) / 4, high - (high - low) / 4)
             here = _sign(one, other, {**before, name: middle})
             if not here:
-                yield {**before, name: middle}
-                break
-            low, high = (middle, high) if here == sign else (low, middle)
-        else:
-            # A meeting point that is a short fraction is the simplest one in its bracket.
-            yield {**before, name: _simplest(low, high)}
-        yield {**before, name: low}
-        yield {**before, name: high}
+                low, high = middle - near / 2, middle + near / 2
+            else:
+                low, high = (middle, high) if here == sign else (low, middle)
+        # A meeting point that is a short fraction is the simplest one in its bracket.
+        for value in (low, _simplest(low, high), high):
+            yield {**before, name: value}
 
 
 def _sign(one: Expr, other: Expr, values: Values) -> int | None:

@@ -7,7 +7,7 @@ are evaluated over arrays.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from gks.modes.printing import latex_name
@@ -23,6 +23,9 @@ Number = float | str
 """As in JSON: a double, a decimal string beyond the doubles, "oo" or "-oo"."""
 
 INFINITE = "oo"
+
+SHORT = 40
+"""Characters of a bound that a statement repeats to say what happens on it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,7 +128,8 @@ class Theorem:
             return f"Not proved: {self.reason}."
         lam = self.scheme.cfl
         lines = [f"{self.scheme.title}: stable exactly for"]
-        rows = [(_sets(piece, lam), _where(piece, self.parameter), _on_bound(piece, lam)) for piece in self.pieces]
+        shown = _joined(self.pieces)
+        rows = [(_sets(piece, lam), _where(piece, self.parameter), _on_bound(piece, lam)) for piece in shown]
         width = max(len(row[0]) for row in rows)
         for what, where, bound in rows:
             line = f"  {what:<{width}}  if {where}" if where else f"  {what}"
@@ -139,10 +143,10 @@ class Theorem:
             return rf"\text{{{self.statement}}}"
         lam = latex_name(self.scheme.cfl)
         rows = []
-        for piece in self.pieces:
+        for piece in _joined(self.pieces):
             where = _where_latex(piece, self.parameter)
             rows.append(_sets_latex(piece, lam) + (rf", & {where}" if where else ""))
-        body = rf"\begin{{cases}} {r' \\ '.join(rows)} \end{{cases}}"
+        body = r"\begin{cases} " + r" \\ ".join(rows) + r" \end{cases}"
         tails = "".join(rf", \quad {latex}" for _, latex in self.limits)
         return rf"\text{{stable}} \iff {body}{tails}"
 
@@ -174,7 +178,8 @@ class Theorem:
         points = np.asarray(values, dtype=float)
         flat = np.atleast_1d(points).ravel()
         result = np.full(flat.shape, np.nan)
-        for piece in self.pieces:
+        # Single values last: they take precedence over the intervals they stand between.
+        for piece in sorted(self.pieces, key=lambda each: each.is_point):
             for cell in piece.cells:
                 inside = flat == cell.start if piece.is_point else (flat >= cell.start) & (flat <= cell.end)
                 if piece.is_point or inside.any():
@@ -204,6 +209,27 @@ def _evaluated(piece: Piece, k: int, points: NDArray[np.float64]) -> NDArray[np.
 # Words ----------------------------------------------------------------------------------------------------------------
 
 
+def _joined(pieces: Sequence[Piece]) -> list[Piece]:
+    """The pieces as they are stated: a single value joins a neighbour that has the same answer."""
+    shown: list[Piece] = []
+    for piece in pieces:
+        last = shown[-1] if shown else None
+        if last is not None and last.end is not None and piece.start is not None and _same(last, piece):
+            if last.is_point:
+                shown[-1] = replace(piece, start=replace(piece.start, included=True))
+                continue
+            if piece.is_point:
+                shown[-1] = replace(last, end=replace(last.end, included=True))
+                continue
+        shown.append(piece)
+    return shown
+
+
+def _same(one: Piece, other: Piece) -> bool:
+    """The same constant answer, word for word."""
+    return (one.stable_set, one.at_bound) == (other.stable_set, other.at_bound)
+
+
 def _sets(piece: Piece, lam: str) -> str:
     spans = [
         f"{low.text} < {lam}" if high.text == INFINITE else f"{low.text} < {lam} < {high.text}"
@@ -223,9 +249,10 @@ def _where(piece: Piece, name: str | None) -> str:
 
 
 def _on_bound(piece: Piece, lam: str) -> str:
-    return f"at {lam} = {piece.bound.text}: {piece.at_bound}" if piece.at_bound and len(piece.bound.text) < 40 else (
-        f"on the bound: {piece.at_bound}" if piece.at_bound else ""
-    )
+    if piece.at_bound is None:
+        return ""
+    place = f"at {lam} = {piece.bound.text}" if len(piece.bound.text) <= SHORT else "on the bound"
+    return f"{place}: {piece.at_bound}"
 
 
 def _sets_latex(piece: Piece, lam: str) -> str:
@@ -242,6 +269,7 @@ def _where_latex(piece: Piece, name: str | None) -> str:
     symbol = latex_name(name)
     if piece.is_point:
         return f"{symbol} = {piece.start.latex}"
-    low = "" if piece.start.text == "-oo" else rf"{piece.start.latex} {r'\le' if piece.start.included else '<'} "
-    high = "" if piece.end.text == INFINITE else rf" {r'\le' if piece.end.included else '<'} {piece.end.latex}"
+    first, last = (r"\le" if edge.included else "<" for edge in (piece.start, piece.end))
+    low = "" if piece.start.text == "-oo" else f"{piece.start.latex} {first} "
+    high = "" if piece.end.text == INFINITE else f" {last} {piece.end.latex}"
     return f"{low}{symbol}{high}"

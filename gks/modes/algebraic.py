@@ -23,7 +23,6 @@ from typing import TypeVar, cast
 
 from flint import acb, arb, ctx, fmpq, fmpz_poly
 
-from gks.modes import clusters
 
 #: First working precision. Only speed depends on it: whatever 64 bits leave open is refined.
 START_BITS = 64
@@ -110,6 +109,9 @@ class Isolation:
 
 def _root_balls(poly: fmpz_poly, bits: int) -> list[acb]:
     if poly.degree() > 1 and poly.height_bits() > LARGE_BITS:
+        # Loaded where it is needed: it brings numpy, which most verdicts can do without.
+        from gks.modes import clusters
+
         proved = clusters.isolate(poly, bits)
         if proved is not None:
             return proved

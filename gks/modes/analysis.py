@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from time import perf_counter
+from typing import Literal
 
 from flint import acb, ctx
 
@@ -18,7 +19,7 @@ from gks.modes.height import zero_exponent
 from gks.modes.interior import interior_stability
 from gks.modes.kreiss import NormalModeProblem, closure_matrix, normal_mode_problem, require_square, spatial_problem
 from gks.modes.numerals import midpoint, modulus_of, radius_of
-from gks.modes.polynomial import Degenerate, Elimination, Factor, characteristic_factors
+from gks.modes.polynomial import Degenerate, Elimination, Factor, TooWide, characteristic_factors
 from gks.modes.rank import certain_rank, exact_rank
 from gks.modes.sheets import Choice, only_vanishing
 from gks.modes.solvable import degenerate_closure, determines_next_level, independent_at_sample
@@ -44,9 +45,9 @@ def analyse(scheme: Scheme, values: Mapping[str, Fraction]) -> ModesResult:
     if interior is None:
         require_square(problem)
     solvable = determines_next_level(problem) if interior is None else True
-    found, doubts = _modes_beside(interior, problem)
-    verdict, reason, because = _judge(interior, solvable, found, doubts)
-    listed = tuple(sorted(found, key=_order))
+    found = _modes_beside(interior, problem)
+    verdict, reason, because = _judge(interior, solvable, found.modes, found.doubts)
+    listed = tuple(sorted(found.modes, key=_order))
     kept = [mode.modulus for mode in listed if mode.kind is not ModeKind.INADMISSIBLE]
     margin = 1 - max(kept) if kept else None
     if (
@@ -61,8 +62,8 @@ def analyse(scheme: Scheme, values: Mapping[str, Fraction]) -> ModesResult:
         verdict,
         reason,
         margin,
-        not doubts,
-        "exact",
+        found.certified,
+        found.tier,
         listed,
         solvable,
         because,
@@ -78,8 +79,8 @@ def quick_verdict(scheme: Scheme, values: Mapping[str, Fraction | Root]) -> Verd
     problem = normal_mode_problem(scheme, values)
     if not determines_next_level(problem):
         return Verdict.UNSTABLE
-    found, doubts = _modes(problem, inner=False)
-    return _judge(None, True, found, doubts)[0]
+    found = _modes_found(problem, inner=False)
+    return _judge(None, True, found.modes, found.doubts)[0]
 
 
 def _order(mode: Mode) -> tuple[bool, Fraction, Fraction, Fraction]:
@@ -116,17 +117,43 @@ def _judge(
 # Candidates -----------------------------------------------------------------------------------------------------------
 
 
-def _modes_beside(interior: str | None, problem: NormalModeProblem) -> tuple[list[Mode], list[str]]:
+@dataclass(frozen=True, slots=True)
+class _Found:
+    """The modes, what stayed open, and by which route they were found."""
+
+    modes: Sequence[Mode]
+    doubts: Sequence[str]
+    certified: bool
+    tier: Literal["exact", "numeric", "certified"]
+
+
+def _modes_beside(interior: str | None, problem: NormalModeProblem) -> _Found:
     """The modes; where the interior is unstable they are a courtesy, and what keeps them from being found is no
     fault.
     """
     if interior is None:
-        return _modes(problem)
+        return _modes_found(problem)
     try:
         require_square(problem)
-        return _modes(problem)
+        modes, doubts = _modes(problem)
     except InputError:
-        return [], []
+        return _Found([], [], True, "exact")
+    return _Found(modes, doubts, not doubts, "exact")
+
+
+def _modes_found(problem: NormalModeProblem, *, inner: bool = True) -> _Found:
+    """By elimination, or by counting zeros where the scheme is too wide for it."""
+    try:
+        modes, doubts = _modes(problem, inner=inner)
+    except TooWide:
+        from gks.modes.wide import VanishingDeterminant, wide_modes
+
+        try:
+            wide = wide_modes(problem)
+        except VanishingDeterminant:
+            raise degenerate_closure(problem) from None
+        return _Found(wide.modes, wide.doubts, wide.certified, "certified" if wide.certified else "numeric")
+    return _Found(modes, doubts, not doubts, "exact")
 
 
 def _modes(problem: NormalModeProblem, *, inner: bool = True) -> tuple[list[Mode], list[str]]:
@@ -137,15 +164,20 @@ def _modes(problem: NormalModeProblem, *, inner: bool = True) -> tuple[list[Mode
     modes: list[Mode] = []
     doubts: list[str] = []
     elimination = eliminated(problem)
-    for factor in elimination.factors:
-        for candidate in candidates_of(problem, factor, on_some_sheet=not elimination.lost_sheet):
+    # Where only a denominator was cleared there is nothing to list, unless it is a mode all the same.
+    listed = [(factor, False) for factor in elimination.factors]
+    for factor, clears in [*listed, *((replace(factor, multiplicity=1), True) for factor in elimination.clearing)]:
+        for candidate in candidates_of(problem, factor, on_some_sheet=not (clears or elimination.lost_sheet)):
             if not inner and candidate.position is Position.INSIDE:
                 continue
             try:
-                modes.append(judge(problem, candidate))
+                mode = judge(problem, candidate)
             except Undecided as reason:
                 if candidate.position is not Position.INSIDE:
                     doubts.append(f"{reason} (at abs(z) = {_modulus_text(problem, candidate)})")
+            else:
+                if not clears or mode.kind is not ModeKind.INADMISSIBLE:
+                    modes.append(mode)
     return modes, doubts
 
 

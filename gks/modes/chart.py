@@ -20,8 +20,10 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
+from flint import acb, fmpq
 
 from gks.modes.discs import ComplexArray, Discs, Jets, joined, linear_combination, powers
+from gks.modes.enclosure import root_near
 from gks.modes.kreiss import NormalModeProblem
 from gks.modes.rootdiscs import approximate, branches, root_discs
 from gks.scheme.integrators import Integrator
@@ -83,18 +85,34 @@ class Chart:
         table[0] = table[0] - Jets.exact(np.ones(w.value.mid.shape, complex))
         return joined(table, lambda parts: np.stack(parts, 1))
 
-    def values(self, w: complex) -> list[complex]:
-        """The values of lam*s (or z) at one w other than 0."""
-        z = 1 / w
+    def value(self, w: complex, stage: complex) -> complex:
+        """lam*s (or z) at one w, on the branch of the root ``stage`` of a Runge-Kutta method."""
         if self.method is None:
-            return [z]
+            return 1 / w
         if self.method.kind == "exact":
-            return [(1 + w) / (1 - w)]
+            return (1 + w) / (1 - w)
         if self.method.kind == "multistep":
-            return [_at(self.method.rho, z) / _at(self.method.sigma, z)]
-        shifted = np.array([[complex(float(c)) for c in self.method.stability]])
-        shifted[0, 0] -= z
-        return [complex(mu) for mu in approximate(shifted)[0]]
+            return _at(self.method.rho, 1 / w) / _at(self.method.sigma, 1 / w)
+        return stage
+
+    def growth(self, mu: acb, w: complex) -> acb:
+        """The growth factor z of a ball of lam*s (or z): of several the one near 1/w. Raises NotEnclosed."""
+        if self.method is None:
+            return mu
+        if self.method.kind == "exact":
+            return mu.exp()
+        if self.method.kind == "multistep":
+            rows = [[acb(fmpq(c.numerator, c.denominator)) for c in row] for row in self.method.characteristic()]
+            coefficients = [_horner(row, mu) for row in rows]
+            starts = np.roots([complex(c) for c in reversed(coefficients)])
+            return root_near(coefficients, [complex(z) for z in starts], 1 / w)
+        return _horner([acb(fmpq(c.numerator, c.denominator)) for c in self.method.stability], mu)
+
+    def growth_at(self, w: acb) -> acb:
+        """The growth factor at a ball of w."""
+        if self.method is not None and self.method.kind == "exact":
+            return ((1 + w) / (1 - w)).exp()
+        return 1 / w
 
 
 def chart_of(problem: NormalModeProblem) -> Chart:
@@ -115,3 +133,10 @@ def _polynomial(coefficients: Sequence[Fraction], table: list[Jets]) -> Jets:
 
 def _at(coefficients: Sequence[Fraction], z: complex) -> complex:
     return sum((float(c) * z**i for i, c in enumerate(coefficients)), 0j)
+
+
+def _horner(coefficients: Sequence[acb], x: acb) -> acb:
+    value = acb(0)
+    for c in reversed(coefficients):
+        value = value * x + c
+    return value

@@ -104,6 +104,8 @@ class Coefficients:
     symbols: tuple[str, ...] = ()
     generators: list[Generator] = field(default_factory=list)
     adjoined: dict[str, Ratio] = field(default_factory=dict)
+    inverted: dict[str, fmpz_mpoly] = field(default_factory=dict)
+    """What formulas divide by that holds a symbol: where it vanishes the scheme has no value, cancelled or not."""
     context: fmpz_mpoly_ctx = field(init=False)
     gens: dict[str, fmpz_mpoly] = field(init=False)
 
@@ -152,6 +154,8 @@ class Coefficients:
     def power(self, base: Ratio, exponent: int) -> Ratio:
         if exponent >= 0:
             return Ratio(base.num**exponent, base.den**exponent)
+        if self._symbolic(base.num):
+            self.inverted[str(base.num)] = base.num
         return Ratio.make(base.den ** (-exponent), base.num ** (-exponent))
 
     def sqrt(self, value: Ratio) -> Ratio:

@@ -29,17 +29,25 @@ from gks.modes.factoring import irreducible_factors
 from gks.modes.fibre import coefficients as powers_of
 from gks.modes.fibre import specialise, univariate
 from gks.modes.kreiss import NormalModeProblem
-from gks.modes.polynomial import Factor, characteristic_factors
+from gks.modes.polynomial import Degenerate, Factor, characteristic_factors
+from gks.modes.solvable import degenerate_closure
 
 
 def critical_polynomials(problem: NormalModeProblem) -> Iterator[fmpz_poly]:
     """Integer polynomials in lam with every closure-made critical value among their positive roots.
 
-    ``problem`` has lam as its one symbol. Raises what ``characteristic_factors`` raises.
+    ``problem`` has lam as its one symbol. Raises what ``characteristic_factors`` raises, but SchemeError for a determinant
+    that is zero as a formula.
     """
     lam = problem.coefficients.variable(problem.resolvent.cfl)
-    factors = growth_factors(problem, characteristic_factors(problem).factors)
-    for rest in boundary_polynomials(problem, factors):
+    try:
+        elimination = characteristic_factors(problem)
+    except Degenerate:
+        raise degenerate_closure(problem) from None
+    factors = growth_factors(problem, [*elimination.factors, *elimination.clearing])
+    # At zeros of the first two the closure is degenerate or the scheme has no value: no verdict speaks for both sides.
+    lost = [*elimination.idle, *map(problem.coefficients.norm, problem.coefficients.inverted.values())]
+    for rest in (*lost, *boundary_polynomials(problem, factors)):
         if degree_in(rest, lam):
             yield univariate(rest, lam)
 

@@ -52,7 +52,7 @@ ONE = Dual(acb(1), acb(0))
 
 @dataclass(frozen=True, slots=True)
 class SpatialRoots:
-    """The decaying roots of a family over a ball of mu, with their derivatives."""
+    """The roots y of a family's symbol over a ball of mu, the decaying ones with their derivatives."""
 
     decaying: tuple[Dual, ...]
     others: tuple[acb, ...]
@@ -143,6 +143,16 @@ def _radii(coefficients: Sequence[acb], centres: Sequence[acb]) -> list[arb]:
     return radii
 
 
+def root_near(coefficients: Sequence[acb], starts: Sequence[complex], near: complex) -> acb:
+    """A ball around the root of a polynomial closest to a point; NotEnclosed where it is not kept apart from the others."""
+    centres = _polished([c.mid() for c in coefficients], [acb(x) for x in starts])
+    balls = [_ball(c, r) for c, r in zip(centres, _radii(coefficients, centres), strict=True)]
+    k = min(range(len(balls)), key=lambda j: abs(complex(centres[j]) - near))
+    if any(balls[k].overlaps(other) for j, other in enumerate(balls) if j != k) or not balls[k].is_finite():
+        raise NotEnclosed("growth factors that are not kept apart")
+    return balls[k]
+
+
 # The determinant ------------------------------------------------------------------------------------------------------
 
 
@@ -151,9 +161,26 @@ def delta(tables: Tables[acb], mu: acb, roots: Sequence[SpatialRoots]) -> Dual:
     variable = Dual(mu, acb(1))
     columns = []
     for k, (family, zeros) in enumerate(tables.blocks):
-        columns.append(newton_columns([ZERO] * zeros + list(roots[family].decaying), tables.longest[k], ZERO, ONE))
+        decaying = [_turned_back(tables.symbols[family], y) for y in roots[family].decaying]
+        columns.append(newton_columns([ZERO] * zeros + decaying, tables.longest[k], ZERO, ONE))
     matrix = [_line(row, columns, variable) for row in tables.rows]
     return determinant(matrix)
+
+
+def _turned_back(symbol: Symbol[acb], y: Dual) -> Dual:
+    """x = (y + c)/(1 + conj(c) y)."""
+    if not symbol.turn:
+        return y
+    turn, back = (Dual(acb(c), acb(0)) for c in (symbol.turn, symbol.turn.conjugate()))
+    return (y + turn) / (ONE + back * y)
+
+
+def kappas(tables: Tables[acb], roots: Sequence[SpatialRoots]) -> tuple[tuple[acb, ...], ...]:
+    """The decaying roots x of every family."""
+    return tuple(
+        tuple(_turned_back(symbol, y).value for y in mine.decaying)
+        for symbol, mine in zip(tables.symbols, roots, strict=True)
+    )
 
 
 def _line(row: Row[acb], columns: Sequence[Sequence[Sequence[Dual]]], mu: Dual) -> list[Dual]:

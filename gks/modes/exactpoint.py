@@ -236,7 +236,7 @@ def _valuation(series: Power, length: int) -> int:
     return next((k for k, c in enumerate(list(series)) if c), length)
 
 
-def candidates_at(problem: NormalModeProblem, z: int) -> Candidate | None:
+def rational_candidate(problem: NormalModeProblem, z: int) -> Candidate | None:
     """The candidate z = 1 or z = -1 with a rational value of the variable; None where there is none."""
     if problem.variable == "z":
         return Candidate(Root.of(z), Root.of(z), 1, Position.ON)

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -104,6 +105,23 @@ class Region:
         near = (np.abs(stages - self.stages.mid) < self.stages.rad).all(axis=1)
         return np.tile(near, max(stages.shape[1], 1))
 
+    def continues(
+        self, family: int, decaying: Sequence[tuple[complex, float]], others: Sequence[tuple[complex, float]]
+    ) -> bool:
+        """Whether roots in given discs are, on one branch, those of the region's decaying and other discs."""
+        mine = self.roots[family]
+
+        def within(root: tuple[complex, float], discs: Discs) -> bool:
+            return bool((np.abs(discs.mid - root[0]) * UP + root[1] < discs.rad * (2 - UP)).any())
+
+        for branch in range(len(mine.discs.mid)):
+            here = mine.discs.apply(lambda x, branch=branch: x[branch])  # type: ignore[misc]
+            inner = here.apply(lambda x: x[: mine.decaying])
+            outer = here.apply(lambda x: x[mine.decaying :])
+            if all(within(x, inner) for x in decaying) and all(within(x, outer) for x in others):
+                return True
+        return False
+
     def chosen(self, family: int, found: RootDiscs) -> tuple[Mask, Mask]:
         """Which roots lie in the discs of the decaying ones (branches * N, n), and whether all are told for certain."""
         mine = self.roots[family]
@@ -120,6 +138,7 @@ class Region:
         return decaying.reshape(shape), (decaying ^ other).reshape(shape).all(axis=1)
 
 
+@np.errstate(all="ignore")  # infinite discs give nan, and a nan proves nothing
 def patch(
     tables: Tables[Discs],
     chart: Chart,
@@ -148,15 +167,17 @@ def patch(
         spatial.append(np.take_along_axis(centre, order, axis=1))
         coefficients = _symbol(symbol, over)
         found = branches_of(coefficients, root_discs(coefficients.value, spatial[k]))
-        roots.append(found.apply(lambda each, count=symbol.decaying: each[:, :count]))  # type: ignore[misc]
-    nodes = [Discs.exact(x[:, : symbol.decaying]) for x, symbol in zip(spatial, tables.symbols, strict=True)]
+        roots.append(_turned_back(symbol, found.apply(lambda each, count=symbol.decaying: each[:, :count])))  # type: ignore[misc]
+    nodes = [
+        _turned_back(symbol, Discs.exact(y[:, : symbol.decaying]))
+        for y, symbol in zip(spatial, tables.symbols, strict=True)
+    ]
     reach = np.tile((np.abs(disc.mid - node) * UP + disc.rad) * UP, branches)
     here = _matrix(tables, nodes, (at[0].value, at[1].value))
     phase, log, relative, change = _determinant(here, _matrix(tables, roots, over), reach)
     shape = (branches, points)
-    with np.errstate(over="ignore"):
-        factors = 1 + np.where(valid, change, np.inf).reshape(shape)
-        total = factors.prod(axis=0) * (1 + PRODUCT * branches) - 1
+    factors = 1 + np.where(valid, change, np.inf).reshape(shape)
+    total = factors.prod(axis=0) * (1 + PRODUCT * branches) - 1
     begin = Start(stages, tuple(x.reshape(branches, points, -1).transpose(1, 0, 2) for x in spatial))
     return Patch(
         phase.reshape(shape).sum(axis=0), log.reshape(shape).T, total,
@@ -164,6 +185,7 @@ def patch(
     )  # fmt: skip
 
 
+@np.errstate(all="ignore")
 def region_of(tables: Tables[Discs], chart: Chart, disc: Discs, node: complex) -> Region | None:
     """The roots that continue the decaying ones over a disc of w, given a node in it with abs(node) < 1.
 
@@ -213,6 +235,15 @@ def _symbol(symbol: Symbol[Discs], pair: tuple[Ring, Ring]) -> Ring:
     return joined([_evaluated(each, basis) for each in symbol.powers], lambda parts: np.stack(parts, 1))
 
 
+def _turned_back(symbol: Symbol[Discs], y: Ring) -> Ring:
+    """x = (y + c)/(1 + conj(c) y)."""
+    if not symbol.turn:
+        return y
+    one = type(y).exact(np.ones((y.mid if isinstance(y, Discs) else y.value.mid).shape, complex))
+    turn = Discs.exact(np.asarray(symbol.turn))
+    return (y + one.scaled(turn)) * (one + y.scaled(turn.apply(np.conj))).reciprocal()
+
+
 def _inside(found: RootDiscs) -> tuple[Mask, Mask]:
     """Which roots are inside the unit circle (N, n), and whether that is proved for all of them (N,)."""
     size = np.abs(found.centre)
@@ -227,7 +258,7 @@ def _matrix(tables: Tables[Discs], roots: Sequence[Ring], pair: tuple[Ring, Ring
     bases = [homogeneous(pair, row.degree) for row in tables.rows]
     blocks = []
     for k, (family, zeros) in enumerate(tables.blocks):
-        padded = roots[family].apply(lambda x, zeros=zeros: np.pad(x, ((0, 0), (zeros, 0))))  # type: ignore[misc]
+        padded = roots[family].apply(lambda x, zeros=zeros: _after_zeros(x, zeros))  # type: ignore[misc]
         columns = newton_basis(padded, tables.longest[k])
         lines = []
         for row, basis in zip(tables.rows, bases, strict=True):
@@ -241,6 +272,11 @@ def _matrix(tables: Tables[Discs], roots: Sequence[Ring], pair: tuple[Ring, Ring
     return joined(blocks, lambda parts: np.concatenate(parts, 2))
 
 
+def _after_zeros(x: NDArray[Any], count: int) -> NDArray[Any]:
+    """x with so many columns of zeros before it."""
+    return np.concatenate([np.zeros((len(x), count), x.dtype), x], axis=1)
+
+
 def newton_basis(roots: Ring, count: int) -> list[Ring]:
     """For n < count the divided differences [x_1, ..., x_j] x**n, j = 1, ..., d: each (N, d).
 
@@ -250,7 +286,7 @@ def newton_basis(roots: Ring, count: int) -> list[Ring]:
     first[:, :1] = 1
     rows: list[Ring] = [type(roots).exact(first)]
     while len(rows) < count:
-        shifted = rows[-1].apply(lambda x: np.pad(x[:, :-1], ((0, 0), (1, 0))))
+        shifted = rows[-1].apply(lambda x: _after_zeros(x[:, :-1], 1))
         rows.append(shifted + roots * rows[-1])
     return rows[:count]
 

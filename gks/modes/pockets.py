@@ -18,13 +18,14 @@ from gks.modes.kreissdiscs import Region, region_of
 from gks.modes.tables import Tables
 from gks.modes.winding import Walk, full_circle, half_circle, walk
 
-FIRST_SMALLEST = 2.0**-11
-"""A twelfth of the first steps' length: what is stuck at it is the neighbourhood of a zero, or of a branch point."""
-LAST_SMALLEST = 2.0**-34
-"""Towards a branch point on the circle steps shrink in a few dozen halvings; at 2**-34 the radii of inclusion discs, near
-the square root of the rounding error there, no longer do."""
-LARGEST, LEAST = 2.0**-4, 2.0**-9
-"""Radii tried for pockets. The least is wider than a stuck stretch next to a single zero."""
+SMALLEST = (2.0**-11, 2.0**-14, 2.0**-17, 2.0**-34)
+"""Shortest steps of the rounds. What is stuck at the first is the neighbourhood of a zero or of a branch point; shorter steps
+leave a shorter stretch to be covered by a pocket. Towards a branch point on the circle steps shrink in a few dozen halvings;
+at 2**-34 the radii of inclusion discs, near the square root of the rounding error there, no longer do."""
+LARGEST = 2.0**-4
+"""Radius of the largest pocket tried: wide enough for the zeros near a point, narrow enough to miss most branch points."""
+NEIGHBOURS = 16
+"""Stuck steps at most so many smallest steps apart are one stretch; so near to the real axis they are centred on it."""
 MARGIN = 1.125
 """A pocket's region is that much wider than the pocket, so that the discs along its boundary lie in it."""
 
@@ -57,18 +58,19 @@ class Circle:
 
 def circled(tables: Tables[Discs], chart: Chart) -> Circle:
     """Finds the pockets and walks round them; what stays stuck is in the walk."""
-    first = walk(tables, chart, half_circle(), FIRST_SMALLEST)
-    if not first.stuck:
-        return Circle(first, ())
-    places = _gathered(first.stuck)
-    pockets = []
-    for place in places:
-        others = [other for other in places if other is not place]
-        found = _pocket(tables, chart, place, others)
-        if found is not None:
-            pockets.append(found)
-    last = walk(tables, chart, half_circle([(p.centre, p.radius) for p in pockets]), LAST_SMALLEST)
-    return Circle(last, tuple(pockets))
+    pockets: list[Pocket] = []
+    for smallest in SMALLEST:
+        around = walk(tables, chart, half_circle([(p.centre, p.radius) for p in pockets]), smallest)
+        if not around.stuck or smallest == SMALLEST[-1]:
+            break
+        places = _gathered(around.stuck, smallest)
+        for place in places:
+            others = [(other.centre, other.reach) for other in places if other is not place]
+            others += [(p.centre, p.radius) for p in pockets]
+            found = _pocket(tables, chart, place, others, smallest)
+            if found is not None:
+                pockets.append(found)
+    return Circle(around, tuple(pockets))
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,12 +81,12 @@ class Place:
     reach: float
 
 
-def _gathered(stuck: Sequence[complex]) -> list[Place]:
+def _gathered(stuck: Sequence[complex], smallest: float) -> list[Place]:
     """Neighbouring stuck steps as one stretch; one near the real axis is centred on it."""
     points = sorted(stuck, key=lambda w: float(np.angle(w)))
     groups: list[list[complex]] = [[points[0]]]
     for w in points[1:]:
-        if abs(w - groups[-1][-1]) < 2 * LEAST:
+        if abs(w - groups[-1][-1]) < NEIGHBOURS * smallest:
             groups[-1].append(w)
         else:
             groups.append([w])
@@ -92,32 +94,34 @@ def _gathered(stuck: Sequence[complex]) -> list[Place]:
     for group in groups:
         middle = (group[0] + group[-1]) / 2
         centre = middle / abs(middle)
-        if centre.imag < LEAST:
+        if min(w.imag for w in group) < NEIGHBOURS * smallest:
             centre = complex(np.sign(centre.real))
-        places.append(Place(centre, max(abs(w - centre) for w in group) + FIRST_SMALLEST))
+        places.append(Place(centre, max(abs(w - centre) for w in group) + 2 * smallest))
     return places
 
 
-def _radii(place: Place, others: Sequence[Place]) -> Iterator[float]:
-    """Radii that hold the place and keep clear of the real axis (unless centred there) and of the other places."""
-    room = [abs(place.centre - other.centre) - other.reach for other in others]
+def _radii(place: Place, others: Sequence[tuple[complex, float]]) -> Iterator[float]:
+    """Radii that hold the place and keep clear of the real axis (unless centred there) and of other discs."""
+    room = [abs(place.centre - centre) - reach for centre, reach in others]
     most = min([LARGEST, *(r / 3 for r in room)])
     if place.centre.imag:
         most = min(most, place.centre.imag / (2 * MARGIN))
     radius = LARGEST
-    while radius >= LEAST:
-        if place.reach < radius <= most:
+    while radius > place.reach:
+        if radius <= most:
             yield radius
         radius /= 2
 
 
-def _pocket(tables: Tables[Discs], chart: Chart, place: Place, others: Sequence[Place]) -> Pocket | None:
+def _pocket(
+    tables: Tables[Discs], chart: Chart, place: Place, others: Sequence[tuple[complex, float]], smallest: float
+) -> Pocket | None:
     for radius in _radii(place, others):
         disc = Discs(np.array([place.centre]), np.array([MARGIN * radius]))
         region = region_of(tables, chart, disc, place.centre * (1 - radius / 2))
         if region is None:
             continue
-        boundary = walk(tables, chart, full_circle(place.centre, radius), FIRST_SMALLEST * radius, region)
+        boundary = walk(tables, chart, full_circle(place.centre, radius), smallest * radius, region)
         if not boundary.stuck:
             return Pocket(place.centre, radius, region, boundary)
     return None

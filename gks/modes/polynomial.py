@@ -58,19 +58,22 @@ class Elimination:
     """The irreducible factors of the norm of Delta in sigma and the symbolic parameters.
 
     ``lost_sheet`` says that Delta vanishes identically on some component of the sheets, which was divided out: the
-    caller has to make sure that it is not the component of the decaying roots.
+    caller has to make sure that it is not the component of the decaying roots. ``clearing`` are factors of leading
+    coefficients that cleared a quotient's denominators: Delta need not vanish at their zeros, and may. ``idle`` are
+    factors without sigma: where one vanishes, so may Delta for every sigma.
     """
 
     factors: tuple[Factor, ...]
     lost_sheet: bool
+    clearing: tuple[Factor, ...] = ()
+    idle: tuple[fmpz_mpoly, ...] = ()
 
 
 def characteristic_factors(problem: NormalModeProblem) -> Elimination:
     """Eliminates the spatial roots.
 
-    Powers of a symbol's leading coefficient that only clear the denominators of a quotient are left out. Raises
-    TooWide,
-    and Degenerate where the determinant is zero as a formula.
+    What Delta has as a factor on every sheet is split off first, so that the norm does not count it once a sheet. Raises
+    TooWide, and Degenerate where the determinant is zero as a formula.
     """
     sheets = 1
     for family in problem.families:
@@ -80,7 +83,11 @@ def characteristic_factors(problem: NormalModeProblem) -> Elimination:
             f"the elimination would have to tell {sheets} choices of spatial roots apart (limit {ELIMINATION_SHEETS})"
         )
     carriers = _carriers(problem)
-    norm = symbolic_determinant(problem, carriers)
+    delta = symbolic_determinant(problem, carriers)
+    if delta.is_zero():
+        raise Degenerate
+    common = _free_of(delta, [name for carrier in carriers for name in carrier.variables])
+    norm = delta / common
     repeats = 1
     lost = False
     for carrier in carriers:
@@ -88,11 +95,21 @@ def characteristic_factors(problem: NormalModeProblem) -> Elimination:
         for variable, relation in reversed(list(zip(carrier.variables, carrier.relations, strict=True))):
             norm, split = _resultant(norm, relation, variable)
             lost = lost or split
-    norm = problem.coefficients.norm(norm)
-    if norm.is_zero():
-        raise Degenerate
     leads = [carrier.monic[-1] for carrier in carriers if carrier.monic is not None]
-    return Elimination(tuple(_own_factors(problem, norm, repeats, leads)), lost)
+    return _sorted_out(problem, ((common, 1), (norm, repeats)), leads, lost)
+
+
+def _free_of(polynomial: fmpz_mpoly, variables: Sequence[str]) -> fmpz_mpoly:
+    """The largest factor that holds none of the variables (1 where only a number does)."""
+    parts = [polynomial]
+    for name in variables:
+        parts = [part for each in parts for part in powers_of(each, name) if not part.is_zero()]
+    common = polynomial.context().constant(0)
+    for part in sorted(parts, key=len):
+        common = common.gcd(part)
+        if common.is_constant():
+            return polynomial.context().constant(1)
+    return common
 
 
 def _sheets(family: Family) -> int:
@@ -189,7 +206,11 @@ def _ghost_columns(
 
 
 def _resultant(norm: fmpz_mpoly, relation: fmpz_mpoly, variable: str) -> tuple[fmpz_mpoly, bool]:
-    """Eliminates a spatial root, after common factors (whole components of the sheets) are divided out."""
+    """Eliminates a spatial root over the sheets on which the norm does not vanish identically.
+
+    A common factor is a whole component of the sheets: it leaves the relation. The norm keeps it, since it may vanish
+    where that component crosses another one.
+    """
     if norm.is_zero():
         raise Degenerate
     _, norm = norm.primitive()
@@ -198,22 +219,32 @@ def _resultant(norm: fmpz_mpoly, relation: fmpz_mpoly, variable: str) -> tuple[f
     common = norm.gcd(relation)
     while common.degrees()[index]:
         lost = True
-        norm = norm / common
+        relation = relation / common
         common = norm.gcd(relation)
     return norm.resultant(relation, variable), lost
 
 
-def _own_factors(
-    problem: NormalModeProblem, norm: fmpz_mpoly, repeats: int, leads: Sequence[fmpz_mpoly]
-) -> list[Factor]:
-    """The factors that hold sigma, but for the powers of leading coefficients that cleared a quotient's
-    denominators.
-    """
+def _sorted_out(
+    problem: NormalModeProblem, parts: Sequence[tuple[fmpz_mpoly, int]], leads: Sequence[fmpz_mpoly], lost: bool
+) -> Elimination:
+    """The factors of the parts, each of which counts every zero of Delta so many times."""
     sigma = problem.coefficients.context.names().index(problem.variable)
     foreign = [f for lead in leads if (f := problem.coefficients.norm(lead)).degrees()[sigma]]
-    own = []
-    for polynomial, multiplicity in irreducible_factors(norm):
-        if not polynomial.degrees()[sigma] or any(divmod(f, polynomial)[1].is_zero() for f in foreign):
-            continue
-        own.append(Factor(polynomial, max(1, multiplicity // repeats)))
-    return own
+    found: dict[str, Factor] = {}
+    idle: dict[str, fmpz_mpoly] = {}
+    for part, repeats in parts:
+        norm = problem.coefficients.norm(part)
+        if norm.is_zero():
+            raise Degenerate
+        for polynomial, power in irreducible_factors(norm):
+            if not polynomial.degrees()[sigma]:
+                idle[str(polynomial)] = polynomial
+                continue
+            known = found.get(str(polynomial))
+            multiplicity = max(1, power // repeats) + (known.multiplicity if known else 0)
+            found[str(polynomial)] = Factor(polynomial, multiplicity)
+    own, clearing = [], []
+    for factor in found.values():
+        clears = any(divmod(f, factor.polynomial)[1].is_zero() for f in foreign)
+        (clearing if clears else own).append(factor)
+    return Elimination(tuple(own), lost, tuple(clearing), tuple(idle.values()))

@@ -126,15 +126,13 @@ def approximate(coefficients: ComplexArray, start: ComplexArray | None = None) -
 
 
 def _starting_points(coefficients: ComplexArray) -> ComplexArray:
-    """Points at the moduli that the Newton polygon of each polynomial gives (Bini, Numer. Algorithms 13 (1996) 179-200)."""
-    points, width = coefficients.shape
-    degree = width - 1
-    found = np.empty((points, degree), complex)
+    """Points at the moduli that a Newton polygon gives (Bini, Numer. Algorithms 13 (1996) 179-200).
+
+    One polygon serves all: that of the coefficients' median sizes.
+    """
     with np.errstate(divide="ignore"):
-        logs = np.log2(np.abs(coefficients))
-    for i in range(points):
-        found[i] = _polygon_points(logs[i], degree)
-    return found
+        logs = np.log2(np.median(np.abs(coefficients), axis=0))
+    return np.tile(_polygon_points(logs, coefficients.shape[1] - 1), (len(coefficients), 1))
 
 
 def _polygon_points(logs: Array, degree: int) -> ComplexArray:

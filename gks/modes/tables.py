@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
-from flint import acb, ctx, fmpz_mpoly
+from flint import acb, acb_poly, ctx, fmpz_mpoly
 
 from gks.modes.algebraic import GUARD_BITS
 from gks.modes.coefficients import value_ball
@@ -26,13 +26,22 @@ C = TypeVar("C")
 D = TypeVar("D")
 
 
+TURN = 0.25 + 0.375j
+"""c of the turn x = (y + c)/(1 + conj(c) y), which keeps the unit disc: exact in doubles, off the axes and the circle, so that
+no family has a root x = 1/conj(c), which would go to infinity in its turn, but by an accident."""
+
+
 @dataclass(frozen=True, slots=True)
 class Symbol(Generic[C]):
-    """P(mu, x): ``powers[i][k]`` is the coefficient of x**i mu**k (absent: 0), k at most ``degree``."""
+    """P(mu, y): ``powers[i][k]`` is the coefficient of y**i mu**k (absent: 0), k at most ``degree``.
+
+    x = (y + turn)/(1 + conj(turn) y). The turn is 0 where no spatial root passes through infinity while abs(z) = 1.
+    """
 
     powers: tuple[Mapping[int, C], ...]
     degree: int
     decaying: int
+    turn: complex
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,7 +86,7 @@ def ball_tables(problem: NormalModeProblem, bits: int) -> Tables[acb]:
         symbols = []
         for family in problem.families:
             parts, degree = _scaled(problem, powers_of(family.polynomial, "x"), at, lam, bits)
-            symbols.append(Symbol(tuple(parts), degree, family.decaying))
+            symbols.append(_turned(Symbol(tuple(parts), degree, family.decaying, 0j), _reaches_infinity(problem)))
         rows = []
         for row in problem.rows:
             parts, degree = _scaled(problem, [t.coefficient for t in row], at, lam, bits)
@@ -88,11 +97,34 @@ def ball_tables(problem: NormalModeProblem, bits: int) -> Tables[acb]:
     return Tables(tuple(symbols), tuple(rows), tuple((b.family, b.zeros) for b in problem.blocks), tuple(longest))
 
 
+def _reaches_infinity(problem: NormalModeProblem) -> bool:
+    """Whether lam*s is infinite at a point with abs(z) = 1: the poles of Crank-Nicolson and of the exact solution."""
+    method = problem.resolvent.integrator
+    if problem.variable == "z" or method is None or method.kind == "runge-kutta":
+        return False
+    return method.kind == "exact" or not (sum(method.sigma) and sum(c * (-1) ** k for k, c in enumerate(method.sigma)))
+
+
+def _turned(symbol: Symbol[acb], infinite: bool) -> Symbol[acb]:
+    """The symbol in y, where its leading coefficient in x may vanish on the circle."""
+    lead = symbol.powers[-1]
+    if len(lead) < 2 and not (infinite and symbol.degree not in lead):
+        return symbol
+    turn, back = acb(TURN), acb(TURN.conjugate())
+    total: list[dict[int, acb]] = [{} for _ in symbol.powers]
+    for i, part in enumerate(symbol.powers):
+        factor = acb_poly([turn, 1]) ** i * acb_poly([1, back]) ** (len(symbol.powers) - 1 - i)
+        for j, weight in enumerate(factor.coeffs()):
+            for power, c in part.items():
+                total[j][power] = total[j].get(power, acb(0)) + weight * c
+    return Symbol(tuple(total), symbol.degree, symbol.decaying, TURN)
+
+
 def disc_tables(problem: NormalModeProblem) -> Tables[Discs]:
     """The tables in double precision, every coefficient a disc of shape ()."""
     tables = ball_tables(problem, DOUBLE_BITS)
     with ctx.workprec(DOUBLE_BITS):
-        symbols = (Symbol(tuple(_rounded(p) for p in s.powers), s.degree, s.decaying) for s in tables.symbols)
+        symbols = (Symbol(tuple(_rounded(p) for p in s.powers), s.degree, s.decaying, s.turn) for s in tables.symbols)
         rows = (
             Row(tuple(Entry(e.block, e.n, _rounded(e.coefficient)) for e in row.entries), row.degree)
             for row in tables.rows

@@ -104,7 +104,7 @@ class ModesResult:
             "parameters": {name: str(value) for name, value in self.parameters.items()},
             "verdict": self.verdict.value,
             "reason": self.reason,
-            "margin": None if self.margin is None else json_real(self.margin),
+            "margin": "-oo" if not self.solvable else None if self.margin is None else json_real(self.margin),
             "certified": self.certified,
             "tier": self.tier,
             "modes": modes,

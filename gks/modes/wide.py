@@ -2,8 +2,8 @@
 
 The number of zeros in abs(w) < 1 and in pockets across the unit circle (`gks.modes.pockets`) is proved by walks that
 leave nothing between their steps. Moments along the same walks say roughly where the zeros are; Newton's method in balls
-polishes each and proves it (`gks.modes.enclosure`). Zeros at z = 1 and z = -1 are judged exactly (`gks.modes.exactpoint`).
-When the zeros that were proved make up the numbers counted, there are no others.
+polishes each and proves it (`gks.modes.polish`). Zeros at z = 1 and z = -1 are judged exactly (`gks.modes.exactpoint`).
+When the zeros that were proved make up the numbers counted, there are no others and the verdict is certified.
 
 What does not close is said: a zero whose ball meets the circle, a number that is not made up. Such a doubt forbids every
 verdict but ``unstable``.
@@ -14,23 +14,183 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from functools import lru_cache
-from typing import Literal
 
-import numpy as np
-from flint import acb, arb, ctx, fmpq
+from flint import acb, ctx
 
 from gks.modes.algebraic import GUARD_BITS, Root
 from gks.modes.chart import Chart, chart_of
 from gks.modes.discs import Discs
-from gks.modes.enclosure import NotEnclosed, Zero, enclose, newton_step
 from gks.modes.exactpoint import ExactPoint, exact_point, rational_candidate
-from gks.modes.growth import growth_of
 from gks.modes.kreiss import NormalModeProblem
-from gks.modes.kreissdiscs import Region, patch
-from gks.modes.numerals import exact_fraction, midpoint, modulus_of, radius_of
+from gks.modes.numerals import ComplexNumber, midpoint, modulus_of, radius_of, text_real
 from gks.modes.pockets import Circle, Pocket, circled
-from gks.modes.tables import Tables, ball_tables, disc_tables
+from gks.modes.polish import PRECISIONS, Found, Polisher
+from gks.modes.tables import Tables, disc_tables
 from gks.modes.undecided import Undecided
 from gks.modes.verdict import Mode, ModeKind
-from gks.modes.winding import full_circle, seeds, walk
+from gks.modes.winding import seeds
+
+OUTPUT_BITS = 80
+"""Relative precision of the spatial factors printed at exactly judged points."""
+DEGENERATE = 2.0**-40
+"""abs(Delta) relative to the lengths of its rows, everywhere on the circle, below which it is not told from zero: a
+thousand times the rounding error of a determinant of moderate size."""
+
+
+@dataclass(slots=True)
+class WideModes:
+    """What the wide route found: the modes with abs(z) >= 1 and those just inside, whether that is proved, and doubts."""
+
+    modes: list[Mode] = field(default_factory=list)
+    certified: bool = True
+    doubts: list[str] = field(default_factory=list)
+
+
+class VanishingDeterminant(ArithmeticError):
+    """Delta is zero to rounding all along the circle."""
+
+
+def wide_modes(problem: NormalModeProblem) -> WideModes:
+    """Counts, finds and proves the normal modes; VanishingDeterminant where Delta seems to be identically zero."""
+    tables, chart = disc_tables(problem), chart_of(problem)
+    circle = circled(tables, chart)
+    if circle.walk.relative.max(initial=0.0) < DEGENERATE:
+        raise VanishingDeterminant
+    search = _Search(problem, tables, chart, Polisher(problem, chart, tables), circle)
+    search.inside()
+    for pocket in circle.pockets:
+        search.pocket(pocket)
+    for w in _unsettled(circle):
+        search.doubt(f"whether a mode lies near z = {1 / w:.6g} is open: spatial roots meet there")
+    return search.result
+
+
+def _unsettled(circle: Circle) -> Iterator[complex]:
+    """One point for each stretch of the circle that no step settled."""
+    last = None
+    for w in circle.walk.stuck:
+        if last is None or abs(w - last) > 2.0**-20:
+            yield w
+        last = w
+
+
+@dataclass(slots=True)
+class _Search:
+    """Takes the zeros of one region after the other."""
+
+    problem: NormalModeProblem
+    tables: Tables[Discs]
+    chart: Chart
+    polisher: Polisher
+    circle: Circle
+    result: WideModes = field(default_factory=WideModes)
+
+    def doubt(self, text: str) -> None:
+        self.result.doubts.append(text)
+        self.result.certified = False
+
+    def inside(self) -> None:
+        """The zeros with abs(w) < 1 outside all pockets."""
+        count = self.circle.count
+        if count < 0:
+            self.doubt("the number of modes with abs(z) > 1 was not found")
+            return
+        found = [
+            each
+            for each in self.polisher.polish(seeds(self.circle.walk, 0j, 1.0, count), None)
+            if abs(each.w) < 1 and not any(_within(each.w, pocket) for pocket in self.circle.pockets)
+        ]
+        self._take(found, count, "with abs(z) > 1")
+
+    def pocket(self, pocket: Pocket) -> None:
+        """The zeros in a pocket, and for one off the real axis those in its mirror image."""
+        count = pocket.count
+        exact = None if pocket.centre.imag or not count else self._exact(round(pocket.centre.real), count)
+        where = f"near z = {1 / pocket.centre:.6g}"
+        if exact is not None:
+            self.result.modes.append(_exact_mode(self.problem, exact, round(pocket.centre.real)))
+        # The moments about the centre of a pocket do not see the zeros that are the centre.
+        left = count - (exact.order if exact is not None else 0)
+        near = seeds(pocket.walk, pocket.centre, pocket.radius, count) if left else []
+        near = sorted(near, key=lambda w: abs(w - pocket.centre))[count - left :]
+        found = [
+            each
+            for each in self.polisher.polish(near, pocket.region)
+            if _within(each.w, pocket) and not (exact is not None and each.z.contains(round(pocket.centre.real)))
+        ]
+        self._take(found, left, where)
+        if pocket.centre.imag:
+            self._take([_mirrored(each) for each in found], left, where)
+
+    def _exact(self, z: int, most: int) -> ExactPoint | None:
+        """The judgement of z = 1 or z = -1, None where Delta does not vanish there or no exact judgement is to be had."""
+        candidate = rational_candidate(self.problem, z)
+        if candidate is None:
+            return None
+        try:
+            point = exact_point(self.problem, candidate, most)
+        except Undecided as reason:
+            self.doubt(f"{reason} (at z = {z})")
+            return None
+        return None if point.kind is ModeKind.INADMISSIBLE else point
+
+    def _take(self, found: Sequence[Found], count: int, where: str) -> None:
+        for each in found:
+            kind = _kind(each.z)
+            if kind is None:
+                distance = text_real(radius_of(each.z))
+                self.doubt(f"a mode {where} is not told from abs(z) = 1, to within {distance}")
+                continue
+            self.result.certified &= each.proved
+            self.result.modes.append(_mode(self.problem, each, kind))
+        number = sum(each.multiplicity for each in found)
+        if number != count:
+            self.doubt(f"{count} zeros of the determinant were counted {where} and {number} found")
+
+
+def _within(w: complex, pocket: Pocket) -> bool:
+    return min(abs(w - pocket.centre), abs(w.conjugate() - pocket.centre)) < pocket.radius
+
+
+def _kind(z: acb) -> ModeKind | None:
+    size = abs(z)
+    if size > 1:
+        return ModeKind.GROWING
+    return ModeKind.DECAYING if size < 1 else None
+
+
+def _mirrored(found: Found) -> Found:
+    """The conjugate zero."""
+    with ctx.workprec(PRECISIONS[-1]):
+        roots = tuple(tuple(x.conjugate() for x in family) for family in found.roots)
+        return Found(found.w.conjugate(), found.z.conjugate(), found.multiplicity, roots, found.proved)
+
+
+# Output ---------------------------------------------------------------------------------------------------------------
+
+
+def _mode(problem: NormalModeProblem, found: Found, kind: ModeKind) -> Mode:
+    with ctx.workprec(PRECISIONS[-1]):
+        kappa = _kappa(problem, found.roots)
+        return Mode(midpoint(found.z), modulus_of(found.z), radius_of(found.z), found.multiplicity, kind, kappa)
+
+
+def _exact_mode(problem: NormalModeProblem, point: ExactPoint, z: int) -> Mode:
+    with ctx.workprec(OUTPUT_BITS + GUARD_BITS):
+        roots = [tuple(_ball(r) for r in family.strictly() + family.on_circle()) for family in point.families]
+        kappa = _kappa(problem, roots)
+    return Mode((Fraction(z), Fraction(0)), Fraction(1), Fraction(0), point.order, point.kind, kappa)
+
+
+def _ball(root: Root) -> acb:
+    return root.ball(OUTPUT_BITS)
+
+
+def _kappa(problem: NormalModeProblem, roots: Sequence[Sequence[acb]]) -> dict[str, tuple[ComplexNumber, ...]]:
+    """The spatial factors kappa of every domain, equal ones of several fields once."""
+    found: dict[str, tuple[ComplexNumber, ...]] = {}
+    for half_line in problem.scheme.domains:
+        families = dict.fromkeys(b.family for b in problem.blocks if b.field.domain == half_line.name)
+        mine = [x if half_line.side == "right" else 1 / x for family in families for x in roots[family]]
+        found[half_line.name] = tuple(dict.fromkeys(midpoint(x) for x in mine if x.is_finite()))
+    return found

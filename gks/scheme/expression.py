@@ -9,15 +9,16 @@ it knows the cost before paying it.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
-from math import comb, isqrt, log2
+from math import isqrt
 from typing import Protocol, TypeVar, cast
 
-from gks.errors import TooLarge
-from gks.scheme.limits import MAX_BITS, MAX_DEGREE, MAX_EXPONENT, MAX_WRITTEN
+from gks.scheme.limits import MAX_EXPONENT
+from gks.scheme.size import Size, largest_size, number_size, power_size, product_size, sqrt_size, sum_size
 
 T = TypeVar("T")
 
@@ -44,51 +45,6 @@ class OrderedAlgebra(Algebra[T], Protocol[T]):
     def maximum(self, values: Sequence[T], /) -> T: ...
 
 
-@dataclass(frozen=True, slots=True)
-class Size:
-    """Upper bounds for an expression seen as numerator / denominator, integer polynomials in its symbols.
-
-    numerator_degree, denominator_degree   total degrees
-    numerator_bits, denominator_bits       log2 of the sum of the absolute values of the coefficients
-    written                                nodes of the formula with shared parts repeated
-
-    The bounds hold for the fraction as it is formed without any cancellation, and so for the numerator and
-    denominator of every part of the expression too. A square root counts as half of its radicand.
-    """
-
-    numerator_degree: int
-    denominator_degree: int
-    numerator_bits: float
-    denominator_bits: float
-    written: int
-
-    @property
-    def degree(self) -> int:
-        return max(self.numerator_degree, self.denominator_degree)
-
-    @property
-    def bits(self) -> float:
-        return max(self.numerator_bits, self.denominator_bits)
-
-    def terms(self, symbols: int) -> int:
-        """The most monomials that numerator or denominator can have in that many symbols."""
-        return comb(self.degree + symbols, symbols)
-
-    def checked(self) -> Size:
-        """Itself; TooLarge if a bound is over its limit."""
-        if self.degree > MAX_DEGREE:
-            raise TooLarge(f"the formula has degree {self.degree} multiplied out and the limit is {MAX_DEGREE}")
-        if self.bits > MAX_BITS:
-            raise TooLarge(
-                f"the formula has coefficients of {self.bits:.0f} bits multiplied out and the limit is {MAX_BITS}"
-            )
-        if self.written > MAX_WRITTEN:
-            raise TooLarge(
-                f"the formula has {self.written} parts with its shorthands written out and the limit is {MAX_WRITTEN}"
-            )
-        return self
-
-
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Expr:
     """One node of an exact expression; build it with `number`, `symbol`, `add`, `mul`, `sqrt` and operators.
@@ -113,32 +69,22 @@ class Expr:
     _hash: int
 
     def fold(self, algebra: Algebra[T]) -> T:
-        """Evaluate bottom-up in the algebra, each shared node once, without recursion.
+        """Evaluate bottom-up in the algebra, each shared node once, without recursion; intermediate results are
+        dropped after their last use.
 
         A formula with min or max needs an `OrderedAlgebra`.
         """
-        done: dict[int, T] = {}
-        for node in self.nodes():
-            parts = [done[id(arg)] for arg in node.args]
-            match node.op:
-                case "num":
-                    result = algebra.number(node.value)
-                case "sym":
-                    result = algebra.symbol(node.name)
-                case "add":
-                    result = algebra.add(parts)
-                case "mul":
-                    result = algebra.mul(parts)
-                case "pow":
-                    result = algebra.power(parts[0], node.exponent)
-                case "sqrt":
-                    result = algebra.sqrt(parts[0])
-                case "min":
-                    result = cast("OrderedAlgebra[T]", algebra).minimum(parts)
-                case _:
-                    result = cast("OrderedAlgebra[T]", algebra).maximum(parts)
-            done[id(node)] = result
-        return done[id(self)]
+        order = list(self.nodes())
+        uses = Counter(id(arg) for node in order for arg in node.args)
+        results: dict[int, T] = {}
+        for node in order:
+            parts = [results[id(arg)] for arg in node.args]
+            results[id(node)] = _combined(node, parts, algebra)
+            for arg in node.args:
+                uses[id(arg)] -= 1
+                if not uses[id(arg)]:
+                    del results[id(arg)]
+        return results[id(self)]
 
     def nodes(self) -> Iterable[Expr]:
         """Every distinct node, parts before wholes."""
@@ -234,8 +180,8 @@ def _integer(value: int) -> Expr:
 
 def _number(value: Fraction) -> Expr:
     top, bottom = value.numerator, value.denominator
-    size = Size(0, 0, _bits(top), _bits(bottom), 1)
-    return Expr("num", value, "", 0, (), _NOTHING, True, size.checked(), hash((top, bottom)))
+    size = number_size(top, bottom).checked()
+    return Expr("num", value, "", 0, (), _NOTHING, True, size, hash((top, bottom)))
 
 
 def symbol(name: str) -> Expr:
@@ -264,16 +210,7 @@ def add(terms: Sequence[Expr]) -> Expr:
         rest.insert(place, number(constant))
     if len(rest) == 1:
         return rest[0]
-    denominator_degree = sum(t.size.denominator_degree for t in rest)
-    denominator_bits = sum(t.size.denominator_bits for t in rest)
-    size = Size(
-        max(t.size.numerator_degree - t.size.denominator_degree for t in rest) + denominator_degree,
-        denominator_degree,
-        max(t.size.numerator_bits - t.size.denominator_bits for t in rest) + denominator_bits + log2(len(rest)),
-        denominator_bits,
-        1 + sum(t.size.written for t in rest),
-    )
-    return _node("add", tuple(rest), size)
+    return _node("add", tuple(rest), sum_size([term.size for term in rest]))
 
 
 def mul(factors: Sequence[Expr]) -> Expr:
@@ -299,14 +236,7 @@ def mul(factors: Sequence[Expr]) -> Expr:
         return rest[0]
     if len(rest) == 2 and rest[0].op == "num" and rest[1].op == "mul" and rest[1].args[0].op == "num":
         return mul([*rest[1].args, rest[0]])  # -(2*x) is -2*x
-    size = Size(
-        sum(f.size.numerator_degree for f in rest),
-        sum(f.size.denominator_degree for f in rest),
-        sum(f.size.numerator_bits for f in rest),
-        sum(f.size.denominator_bits for f in rest),
-        1 + sum(f.size.written for f in rest),
-    )
-    return _node("mul", tuple(rest), size)
+    return _node("mul", tuple(rest), product_size([factor.size for factor in rest]))
 
 
 def power(base: Expr, exponent: int) -> Expr:
@@ -322,12 +252,7 @@ def power(base: Expr, exponent: int) -> Expr:
             return number(base.value**exponent)
     if base.op == "pow" and abs(base.exponent * exponent) <= MAX_EXPONENT:
         return power(base.args[0], base.exponent * exponent)
-    k, s = abs(exponent), base.size
-    degrees = (k * s.numerator_degree, k * s.denominator_degree)
-    bits = (k * s.numerator_bits, k * s.denominator_bits)
-    if exponent < 0:
-        degrees, bits = (degrees[1], degrees[0]), (bits[1], bits[0])
-    return _node("pow", (base,), Size(*degrees, *bits, s.written + 1), exponent)
+    return _node("pow", (base,), power_size(base.size, exponent), exponent)
 
 
 def sqrt(radicand: Expr) -> Expr:
@@ -339,29 +264,14 @@ def sqrt(radicand: Expr) -> Expr:
             root = rational_sqrt(radicand.value)
             if root is not None:
                 return number(root)
-    s = radicand.size
-    half = Size(
-        (s.numerator_degree + 1) // 2,
-        (s.denominator_degree + 1) // 2,
-        s.numerator_bits / 2,
-        s.denominator_bits / 2,
-        s.written + 1,
-    )
-    return _node("sqrt", (radicand,), half)
+    return _node("sqrt", (radicand,), sqrt_size(radicand.size))
 
 
 def extremum(op: str, values: Sequence[Expr]) -> Expr:
     """min or max (op "min" or "max") of one or more expressions; for the formulas of claims alone."""
     if len(values) == 1:
         return values[0]
-    size = Size(
-        max(v.size.numerator_degree for v in values),
-        max(v.size.denominator_degree for v in values),
-        max(v.size.numerator_bits for v in values),
-        max(v.size.denominator_bits for v in values),
-        1 + sum(v.size.written for v in values),
-    )
-    return _node(op, tuple(values), size)
+    return _node(op, tuple(values), largest_size([value.size for value in values]))
 
 
 def rational_sqrt(value: Fraction) -> Fraction | None:
@@ -375,17 +285,33 @@ def rational_sqrt(value: Fraction) -> Fraction | None:
 _ZERO, _ONE = Fraction(0), Fraction(1)
 
 
+def _combined(node: Expr, parts: Sequence[T], algebra: Algebra[T]) -> T:
+    """The node's own operation in an algebra."""
+    match node.op:
+        case "num":
+            return algebra.number(node.value)
+        case "sym":
+            return algebra.symbol(node.name)
+        case "add":
+            return algebra.add(parts)
+        case "mul":
+            return algebra.mul(parts)
+        case "pow":
+            return algebra.power(parts[0], node.exponent)
+        case "sqrt":
+            return algebra.sqrt(parts[0])
+        case "min":
+            return cast("OrderedAlgebra[T]", algebra).minimum(parts)
+        case _:
+            return cast("OrderedAlgebra[T]", algebra).maximum(parts)
+
+
 def _node(op: str, args: tuple[Expr, ...], size: Size, exponent: int = 0) -> Expr:
     widest = max((a.symbols for a in args), key=len)
     symbols = widest if all(a.symbols <= widest for a in args) else widest.union(*(a.symbols for a in args))
     rational = op in ("add", "mul", "pow") and all(a.rational for a in args)
     key = hash((op, exponent, tuple(a._hash for a in args)))
     return Expr(op, _ZERO, "", exponent, args, symbols, rational, size.checked(), key)
-
-
-def _bits(integer: int) -> float:
-    """log2 of abs(integer), rounded up to whole bits; 0 for 0 and 1."""
-    return float((abs(integer) - 1).bit_length()) if integer else 0.0
 
 
 def _short(value: Fraction) -> int:

@@ -12,7 +12,7 @@ MAX_FILE_BYTES = 1_000_000
 MAX_TOML_NESTING = 20  # brackets and braces within each other; the format needs three
 MAX_KEY_PARTS = 20  # parts of a dotted key or table header; the format needs three. tomllib is quadratic in them
 MAX_ENTRIES = 50_000  # parts of keys, values and array elements
-MAX_NAMES = 200  # parameters, each a variable of exact polynomials
+MAX_PARAMETERS = 200  # parameters, each a variable of exact polynomials
 MAX_UNKNOWNS = 16  # of one domain
 
 # One number.
@@ -29,7 +29,7 @@ MAX_WRITTEN = 200_000  # parts of a formula with its shorthands written out
 
 # All formulas of a file together, in nanoseconds as measured on one 2020s core, to within a factor of two. What a
 # step costs stands here or, where it depends on sizes, beside the step.
-MAX_WORK = 1_000_000_000
+MAX_WORK = 700_000_000
 TOKEN_WORK = 12_000  # reading one token, and building its part of an expression
 TERM_WORK = 8_000  # adding or scaling one grid value's coefficient
 DIGIT_WORK = 6  # reading a number, for each bit of it

@@ -9,7 +9,7 @@ from typing import Literal
 from gks.errors import counted, quoted
 from gks.scheme.document import Node
 from gks.scheme.formula import Context
-from gks.scheme.limits import MAX_NAMES
+from gks.scheme.limits import MAX_PARAMETERS
 from gks.scheme.model import Parameter
 from gks.scheme.names import check_name, exact_number, finite_number
 
@@ -21,8 +21,8 @@ def read_parameters(tables: Mapping[str, Node], root: Node, context: Context) ->
     if "parameters" not in tables:
         raise root.error("no [parameters]", 'expected a table [parameters] with lam = { role = "cfl" }')
     nodes = tables["parameters"].table()
-    if len(nodes) > MAX_NAMES:
-        raise tables["parameters"].key_error(f"found {len(nodes)} parameters", f"the limit is {MAX_NAMES}")
+    if len(nodes) > MAX_PARAMETERS:
+        raise tables["parameters"].key_error(f"found {len(nodes)} parameters", f"the limit is {MAX_PARAMETERS}")
     for name, node in nodes.items():
         check_name(name, {}, node.key_error)
     parameters = tuple(_parameter(name, node, context) for name, node in nodes.items())

@@ -8,7 +8,7 @@ for every part of it too. So one evaluation decides:
   outweighs all others together, so a polynomial that vanishes there vanishes identically.
 - Where those numbers grow too long, one random point modulo a Mersenne prime above 2**b, which no coefficient is
   divisible by. A polynomial of degree d that is not zero vanishes there with probability at most d/p (Schwartz and
-  Zippel), less than 10000/2**127. The point is drawn from the text of the formula, so it cannot be aimed at.
+  Zippel), less than 10000/2**127. The point is drawn from a digest of the formula, so it cannot be aimed at.
 
 With square roots it is a function of the parameters on their ranges, evaluated in complex balls at random rational
 points: a ball without 0 proves that it does not vanish. If every ball holds 0, at 400 bits and more, it counts as
@@ -118,15 +118,47 @@ def _rational_vanishes(part: Expr) -> bool:
         point = {name: 1 << bits * spread**k for k, name in enumerate(names)}
         numerator, denominator = part.fold(_Quotients(point, lambda value: value))
     else:
-        from random import Random  # imported late: seldom needed
-
         q = next(q for q in _MERSENNE if q > bits)
-        source = Random(str(part))
-        point = {name: source.getrandbits(q - 1) for name in names}
+        point = _point_of_the_formula(part, names, q - 1)
         numerator, denominator = part.fold(_Quotients(point, _modulo_mersenne(q)))
     if not denominator:
         raise ZeroDivisionError("division by zero")
     return not numerator
+
+
+def _point_of_the_formula(part: Expr, names: Sequence[str], bits: int) -> dict[str, int]:
+    """Coordinates of that many bits from a digest of the formula: the same in every run, and not to be aimed at."""
+    from random import Random  # imported late: seldom needed
+
+    source = Random(part.fold(_Digest()))
+    return {name: source.getrandbits(bits) for name in names}
+
+
+class _Digest:
+    """A digest of the whole formula, with every number and name in it."""
+
+    def number(self, value: Fraction) -> bytes:
+        return self._of(f"number {value.numerator:x}/{value.denominator:x}".encode())
+
+    def symbol(self, name: str) -> bytes:
+        return self._of(b"symbol " + name.encode())
+
+    def add(self, terms: Sequence[bytes]) -> bytes:
+        return self._of(b"add", *terms)
+
+    def mul(self, factors: Sequence[bytes]) -> bytes:
+        return self._of(b"mul", *factors)
+
+    def power(self, base: bytes, exponent: int) -> bytes:
+        return self._of(b"power %d" % exponent, base)
+
+    def sqrt(self, radicand: bytes) -> bytes:
+        return self._of(b"sqrt", radicand)
+
+    def _of(self, *parts: bytes) -> bytes:
+        from hashlib import blake2b
+
+        return blake2b(b"".join(parts)).digest()
 
 
 def _modulo_mersenne(q: int) -> Callable[[int], int]:

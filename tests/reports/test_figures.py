@@ -6,6 +6,7 @@ import subprocess
 import sys
 from collections.abc import Sequence
 from dataclasses import replace
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -18,6 +19,7 @@ import gks
 from gks.bounds.curve import Curve, CurvePoint
 from gks.bounds.sweep import Sweep, parse_sweep
 from gks.catalogue import find
+from gks.modes.numerals import json_real
 from gks.reports import canvas, figures
 from gks.reports.figures import curve_png, curve_svg, draw_comparison, draw_curve, save_curve
 
@@ -46,6 +48,10 @@ def drawn(curve: Curve) -> Axes:
     return axes
 
 
+def numbers(data: Any) -> list[float]:
+    return [float(each) for each in data]
+
+
 def legend(axes: Axes) -> set[str]:
     (box,) = axes.figure.legends
     return {text.get_text() for text in box.get_texts()}
@@ -69,9 +75,9 @@ def test_neighbours_of_different_shape_are_not_joined() -> None:
     """From one interval to two, lam_max jumps from 1 to 1/4: no line may suggest the values between."""
     axes = drawn(made([point(1, ONE), point(2, ONE), point(3, TWO), point(4, TWO)]))
     thick = [line for line in axes.lines if line.get_linewidth() > 1]
-    heights = {float(y) for line in thick for y in line.get_ydata()}
+    heights = {float(y) for line in thick for y in numbers(line.get_ydata())}
     assert heights == {1.0, 0.25}
-    assert all(len({float(y) for y in line.get_ydata()}) == 1 for line in thick)
+    assert all(len(set(numbers(line.get_ydata()))) == 1 for line in thick)
 
 
 def test_what_limits_differs_in_line_style_and_not_only_in_colour() -> None:
@@ -85,7 +91,7 @@ def test_undecided_points_are_marked_where_they_are() -> None:
     open_point = CurvePoint(2.0, None, None, (), 0.0, False, "the precision")
     axes = drawn(made([point(1, ONE), open_point, point(3, ONE)]))
     (marks,) = [line for line in axes.lines if line.get_marker() == "x"]
-    assert list(marks.get_xdata()) == [2.0]
+    assert numbers(marks.get_xdata()) == [2.0]
     assert "undecided" in legend(axes)
     assert not covered(axes, 2.0, 0.5)
 
@@ -93,26 +99,26 @@ def test_undecided_points_are_marked_where_they_are() -> None:
 def test_without_a_bound_the_upper_edge_says_so() -> None:
     axes = drawn(made([point(1, ((0.0, "oo"),)), point(2, ((0.0, "oo"),))]))
     (bar,) = [line for line in axes.lines if line.get_transform() == axes.get_xaxis_transform()]
-    assert list(bar.get_ydata()) == [1, 1]
+    assert numbers(bar.get_ydata()) == [1, 1]
     assert "unbounded" in legend(axes)
     assert [tick.get_text() for tick in axes.get_yticklabels()] == ["0"]  # no number stands for infinity
 
 
 def test_numbers_beyond_the_doubles_are_counted_and_not_drawn_as_zero() -> None:
-    axes = drawn(made([point(1, ONE), replace_value(point(2, ONE), "1e400"), point(3, ONE)]))
+    axes = drawn(made([point(1, ONE), point(2, ONE)._replace(value="1e400"), point(3, ONE)]))
     assert "1 points beyond doubles not drawn" in legend(axes)
     tiny = CurvePoint(2.0, "1e-400", "closure", ((0.0, "1e-400"),), 0.0, True)
     axes = drawn(made([point(1, ONE), tiny, point(3, ((0.0, 1e-5),))]))
     assert not any("next to 0" in text for text in legend(axes))
 
 
-def replace_value(each: CurvePoint, value: float | str) -> CurvePoint:
-    return each._replace(value=value)
-
-
 @pytest.mark.parametrize(
     ("sweep", "scales"),
-    [("alpha=1e-4:1e4:9:log", ("log", "log")), ("alpha=1:2:3:log", ("log", "linear")), ("alpha=1:1e4:9", ("linear", "linear"))],
+    [
+        ("alpha=1e-4:1e4:9:log", ("log", "log")),
+        ("alpha=1:2:3:log", ("log", "linear")),
+        ("alpha=1:1e4:9", ("linear", "linear")),
+    ],
 )
 def test_axes_are_logarithmic_where_the_sweep_is_and_lam_max_spans_decades(sweep: str, scales: tuple[str, str]) -> None:
     axes = drawn(gks.load("traditional-1").curve(sweep=sweep))
@@ -137,7 +143,7 @@ def test_several_schemes_share_the_axes() -> None:
     with canvas.styled():
         axes = Figure().add_subplot()
         draw_comparison({"a": made([point(1, ONE), point(2, ONE)]), "b": made([point(1, TWO), point(2, TWO)])}, axes)
-    assert [list(line.get_ydata()) for line in axes.lines] == [[1.0, 1.0], [0.25, 0.25]]
+    assert [numbers(line.get_ydata()) for line in axes.lines] == [[1.0, 1.0], [0.25, 0.25]]
     assert len({line.get_linestyle() for line in axes.lines}) == 2
     assert legend(axes) == {"a", "b"}
     with pytest.raises(ValueError, match="one parameter"):
@@ -153,13 +159,15 @@ def test_any_title_is_text(title: str) -> None:
     ElementTree.fromstring(curve_svg(replace(made([point(1, ONE), point(2, ONE)]), scheme=scheme)))
 
 
-@pytest.mark.parametrize("sweep", ["alpha=1e-300:1e300:5:log", "alpha=1e-400:1e400:5:log", "alpha=-3:3:3", "alpha=2:2:3"])
+@pytest.mark.parametrize(
+    "sweep", ["alpha=1e-300:1e300:5:log", "alpha=1e-400:1e400:5:log", "alpha=-3:3:3", "alpha=2:2:3"]
+)
 def test_extreme_sweeps_are_drawn(sweep: str) -> None:
-    points = [point(0, ((0.0, float(10.0**-k)),)) for k in range(len(parse_sweep(sweep).values))]
-    values = parse_sweep(sweep).values
-    numbers = [float(v) if abs(v) < 10**308 else str(v) for v in values]
-    curve = Curve(SCHEME, SCHEME.values(), parse_sweep(sweep), [p._replace(value=x) for p, x in zip(points, numbers, strict=True)], 0.0)
-    assert curve_png(curve).startswith(b"\x89PNG")
+    over = parse_sweep(sweep)
+    points = [
+        point(0, ((0.0, 10.0**-k),))._replace(value=json_real(Fraction(value))) for k, value in enumerate(over.values)
+    ]
+    assert curve_png(Curve(SCHEME, SCHEME.values(), over, points, 0.0)).startswith(b"\x89PNG")
 
 
 # --- files

@@ -88,7 +88,7 @@ def test_an_unknown_that_no_equation_holds_is_named_first() -> None:
 
 
 def test_what_a_maximum_matching_leaves_over() -> None:
-    """Where every unknown occurs, one equation less than unknowns leaves exactly one; no greedy choice blocks another."""
+    """Where every unknown occurs, one equation too few leaves exactly one; no greedy choice blocks another."""
     scheme = read(
         LEAPFROG,
         (INTERIOR, "u[i, n+1] = u[i-3]"),

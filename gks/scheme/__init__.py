@@ -1,0 +1,1 @@
+"""What the user wrote: scheme files read into exact, immutable data, without floats and without analysis."""
