@@ -58,6 +58,10 @@ class Held:
         lines.append(f"  {'':<10}   derived  {self.finding.derived}")
         if self.finding.counterexample is not None:
             lines.append(f"  {'':<10}   shown    {self.finding.counterexample}")
+        theorem = self.finding.evidence.get("theorem")
+        if isinstance(theorem, Mapping) and theorem.get("status") == "proved":
+            first, *others = str(theorem["statement"]).splitlines()
+            lines += [f"  {'':<10}   proved   {first}", *(f"  {'':<10}            {line}" for line in others)]
         march = self.finding.evidence.get("march")
         if isinstance(march, Mapping):
             lines.append(f"  {'':<10}   march    {_march_text(march)}")
@@ -172,7 +176,7 @@ def _together(findings: Sequence[Finding]) -> Finding:
 
 
 def _proved(scheme: Scheme, claim: Claim, finding: Finding, prover: Route | None) -> Finding:
-    """The finding for a bound with the theorem that holds in its place or beside it."""
+    """The finding for a bound with the theorem that stands beside it, or in its place, or with the reason for none."""
     if prover is None or claim.bound is None:
         return finding
     try:
@@ -180,10 +184,7 @@ def _proved(scheme: Scheme, claim: Claim, finding: Finding, prover: Route | None
     except GksError as error:
         return replace(finding, evidence={**finding.evidence, "theorem": {"refused": str(error)}})
     told = {key: theorem.get(key) for key in ("status", "statement")}
-    derived = finding.derived
-    if told["status"] == "proved" and finding.status is Status.FAILS:
-        derived = f"{told['statement']} ({derived})"
-    return replace(finding, derived=derived, evidence={**finding.evidence, "theorem": told})
+    return replace(finding, evidence={**finding.evidence, "theorem": told})
 
 
 def _marched(scheme: Scheme, finding: Finding, marcher: Route | None) -> Finding:

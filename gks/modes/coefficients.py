@@ -20,7 +20,7 @@ from math import isqrt
 
 from flint import Ordering, acb, ctx, fmpq, fmpz, fmpz_mpoly, fmpz_mpoly_ctx
 
-from gks.errors import NotAnalysable, ParameterError
+from gks.errors import IrrationalValue, NotAnalysable, ParameterError
 from gks.modes.algebraic import GUARD_BITS, START_BITS, Root, isolated_roots
 from gks.modes.fibre import at_balls, embed, is_zero, univariate
 from gks.scheme.expression import Expr
@@ -29,6 +29,10 @@ KAPPA_VARIABLES = 8
 """Spatial roots that one elimination may carry; wider problems belong to the numeric route."""
 GENERATOR_VARIABLES = 6
 """Irrational numbers that one scheme may adjoin."""
+EXPANSION_DEGREE = 60
+"""Degree that one formula may have in the symbols: eliminants and their roots then stay within seconds."""
+EXPANSION_TERMS = 20_000
+"""Terms that one formula may have once it is multiplied out in the symbols: about a second of arithmetic."""
 SIGN_BITS = 1 << 14
 """A nonzero number whose sign 16384 bits leave open comes from symbols set at one of its zeros."""
 
@@ -184,6 +188,24 @@ class Coefficients:
         return Ratio(polynomial, self.context.constant(1))
 
     def evaluate(self, expression: Expr) -> Ratio:
+        """A formula in this field: a rational number where its parameters have rational values, else expanded.
+
+        NotAnalysable beyond EXPANSION_DEGREE or EXPANSION_TERMS.
+        """
+        symbolic = [name for name in expression.symbols if name in self.symbols]
+        given = {n: v for n in expression.symbols if n not in symbolic and isinstance(v := self.values[n], Fraction)}
+        if len(given) == len(expression.symbols):
+            try:
+                return self.number(expression.at(given))
+            except IrrationalValue:
+                pass
+        size = expression.size
+        if size.degree > EXPANSION_DEGREE or size.terms(len(expression.symbols) - len(given)) > EXPANSION_TERMS:
+            raise NotAnalysable(
+                f"a formula in {', '.join(sorted(symbolic))} has degree {size.degree} multiplied out",
+                expected=f"degree {EXPANSION_DEGREE} and {EXPANSION_TERMS} terms at most",
+                mend="lower its powers, or set its parameters with -p",
+            )
         return expression.fold(self)
 
     def adjoin(self, relation_in_x: fmpz_mpoly, root: Root | None) -> Ratio:

@@ -20,7 +20,7 @@ def to_double(value: Fraction) -> float | None:
         double = float(value)
     except OverflowError:
         return None
-    if not isfinite(double) or (value and frexp(double)[1] < -1021):
+    if not isfinite(double) or (value and (not double or frexp(double)[1] < -1021)):
         return None
     return double
 

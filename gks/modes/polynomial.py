@@ -25,6 +25,8 @@ from gks.modes.kreiss import Family, NormalModeProblem, kreiss_matrix, longest, 
 
 ELIMINATION_SHEETS = 200
 """Ways to choose the roots, beyond which the norm's degree makes the numeric route the better one."""
+ELIMINATION_SIZE = 32
+"""Closure equations, those that pin unread points included, up to which a determinant of polynomials is taken."""
 
 
 class TooWide(NotAnalysable):
@@ -75,6 +77,8 @@ def characteristic_factors(problem: NormalModeProblem) -> Elimination:
     What Delta has as a factor on every sheet is split off first, so that the norm does not count it once a sheet. Raises
     TooWide, and Degenerate where the determinant is zero as a formula.
     """
+    if problem.size > ELIMINATION_SIZE:
+        raise TooWide(f"the closure has {problem.size} unknowns (limit of the elimination {ELIMINATION_SIZE})")
     sheets = 1
     for family in problem.families:
         sheets *= _sheets(family)
