@@ -6,8 +6,10 @@ sample and its stable intervals for every cell, what was decided on every cut, a
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from fractions import Fraction
+from hashlib import sha256
 
 from flint import fmpz_mpoly
 
@@ -28,7 +30,7 @@ def certificate(
     """For a theorem over a parameter."""
     name, lam = theorem.parameter, theorem.scheme.cfl
     assert name is not None
-    return {
+    return _signed({
         **_head(theorem, fixed),
         "domain": ["-oo" if low is None else str(low), "oo" if high is None else str(high)],
         "curves": [_text(curve, name, lam) for curve in found.boundary.curves],
@@ -36,16 +38,22 @@ def certificate(
         "cells": [_cell(cell) for cell in found.cells],
         "cuts": [_cut(cut, name, lam) for cut in found.cuts],
         "pieces": [piece.to_json() for piece in theorem.pieces],
-    }
+    })
 
 
 def constant_certificate(theorem: Theorem, found: StableSet, fixed: Mapping[str, Fraction]) -> dict[str, object]:
     """For a stable set in lam alone."""
-    return {
+    return _signed({
         **_head(theorem, fixed),
         "stable_set": [[_root(i.low, theorem.scheme.cfl), _root(i.high, theorem.scheme.cfl)] for i in found.intervals],
         "pieces": [piece.to_json() for piece in theorem.pieces],
-    }
+    })
+
+
+def _signed(content: dict[str, object]) -> dict[str, object]:
+    """With the SHA-256 of its sorted JSON, so that a slip of the file is told from a false proof."""
+    text = json.dumps(content, sort_keys=True, allow_nan=False)
+    return {**content, "digest": sha256(text.encode()).hexdigest()}
 
 
 def _head(theorem: Theorem, fixed: Mapping[str, Fraction]) -> dict[str, object]:

@@ -6,64 +6,35 @@ scheme whose coefficient matrices can be diagonalised together is, in that basis
     sum_j c_j(sigma) v[i + j] = 0,        sigma the resolvent variable (s or z),
 
 and its symbol, cleared of negative powers, is a polynomial P(sigma, x) whose roots x are the spatial roots
-(kappa on the right half-line, 1/kappa on the left one). The fields meet only in the closure.
+(kappa on the right half-line, 1/kappa on the left one). The fields meet only in the closure. Systems that no basis
+separates are left to ``coupled``.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 
 from flint import fmpz_mpoly
 
 from gks.errors import NotAnalysable, ParameterError
 from gks.modes.algebraic import isolated_roots
-from gks.modes.coefficients import Coefficients, Ratio, common_denominator
+from gks.modes.coefficients import Coefficients, Ratio
+from gks.modes.coupled import coupled_fields
 from gks.modes.factoring import irreducible_factors
 from gks.modes.fibre import coefficients as powers_of
 from gks.modes.fibre import univariate
+from gks.modes.field import Field, Stencil, mirrored
 from gks.modes.linear import Matrix, characteristic_polynomial, identity, kernel, multiply, solve
 from gks.modes.resolvent import Resolvent
 from gks.scheme.model import HalfLine, NamedLines, NamedScheme, WrittenDiscrete, WrittenLines
 from gks.scheme.operators import discrete_stencil, stencil
 
-Stencil = dict[int, Ratio]
-"""Offset on the mirrored half-line -> coefficient."""
-
-
-@dataclass(frozen=True, slots=True)
-class Field:
-    """One scalar field of a half-line.
-
-    ``vector`` has one entry an unknown: the unknowns are the sum of vector * v over the fields. ``stencil`` is the
-    scalar scheme on the mirrored half-line; ``speed`` the eigenvalue of the flux where the file gives one.
-    """
-
-    domain: str
-    vector: tuple[Ratio, ...]
-    stencil: Mapping[int, Ratio]
-    speed: Ratio | None
-
-    def polynomial(self, coefficients: Coefficients, ghosts: int) -> fmpz_mpoly:
-        """P(sigma, x) = x**ghosts * sum_j c_j x**j, denominators and common factors in sigma alone cleared."""
-        one = coefficients.context.constant(1)
-        clear = common_denominator(list(self.stencil.values()), one)
-        x = coefficients.gens["x"]
-        total = coefficients.context.constant(0)
-        for offset, value in self.stencil.items():
-            total += (value.num * (clear / value.den)) * x ** (offset + ghosts)
-        content = coefficients.context.constant(0)
-        for power in powers_of(total, "x"):
-            content = content.gcd(power)
-        return total / content if not content.is_zero() else total
-
-
 def fields_of(half_line: HalfLine, coefficients: Coefficients, resolvent: Resolvent) -> list[Field]:
     """The characteristic fields of one half-line, in a fixed order.
 
-    Raises NotAnalysable where the unknowns are coupled in a way that no basis undoes, ParameterError where the
-    flux is not hyperbolic at the values given.
+    Raises NotAnalysable where the unknowns are coupled in a way that is beyond the analysis, ParameterError where the
+    flux of a named scheme is not hyperbolic at the values given.
     """
     match half_line.interior:
         case NamedLines(space=space):
@@ -79,11 +50,6 @@ def fields_of(half_line: HalfLine, coefficients: Coefficients, resolvent: Resolv
         case WrittenDiscrete() | WrittenLines():
             return _written_fields(half_line, coefficients, resolvent)
     raise AssertionError(half_line.interior)
-
-
-def mirrored(half_line: HalfLine, index: int) -> int:
-    """An index, or an offset, as the mirrored half-line counts it."""
-    return index if half_line.side == "right" else -index
 
 
 # Named operators: the eigenvectors of the flux -----------------------------------------------------------------------
@@ -152,7 +118,13 @@ def _written_fields(half_line: HalfLine, coefficients: Coefficients, resolvent: 
             Field(half_line.name, tuple(unit[k]), _scalar(matrices, k, coefficients, resolvent, half_line), None)
             for k in range(size)
         ]
-    return _joint_fields(half_line, matrices, coefficients, resolvent)
+    known = len(coefficients.generators)
+    try:
+        return _joint_fields(half_line, matrices, coefficients, resolvent)
+    except (NotAnalysable, ParameterError):
+        # Irrational eigenvalues that the attempt adjoined are of no use to the coupled system.
+        del coefficients.generators[known:]
+        return coupled_fields(half_line, coefficients, resolvent)
 
 
 Key = tuple[int, int, bool]
@@ -222,7 +194,7 @@ def _joint_fields(
             # An eigenvalue of base**-1 C: the field's scheme up to the common factor that base contributes.
             found.append(Field(half_line.name, vector, _assemble(entries, coefficients, resolvent, half_line), None))
     if len(found) != size:
-        raise _coupled(half_line)
+        raise NotAnalysable(f"domain {half_line.name}: the eigenvectors are no basis")
     return found
 
 
@@ -231,15 +203,8 @@ def _rayleigh(matrix: Matrix, vector: Sequence[Ratio], coefficients: Coefficient
     pivot = next(k for k, v in enumerate(vector) if not coefficients.is_zero(v.num))
     value = image[pivot][0] / vector[pivot]
     if any(not coefficients.is_zero((image[k][0] - value * v).num) for k, v in enumerate(vector)):
-        raise _coupled(half_line)
+        raise NotAnalysable(f"domain {half_line.name}: an eigenvector of one matrix is none of another")
     return value
-
-
-def _coupled(half_line: HalfLine) -> NotAnalysable:
-    return NotAnalysable(
-        f"domain {half_line.name}: no change of basis separates its unknowns into scalar fields",
-        expected="coefficient matrices that can be diagonalised together",
-    )
 
 
 def _combination(matrices: Sequence[Matrix], weights: Sequence[int], coefficients: Coefficients) -> Matrix:

@@ -210,4 +210,5 @@ def _log2(number: acb) -> float:
     """log2 of the size of a ball, -inf where it may be zero."""
     if number.contains(0):
         return -inf
-    return float(abs(number).mid().log() / arb(2).log())
+    with ctx.workprec(64):  # a double's worth, whatever the precision around it
+        return float(abs(number).mid().log() / arb(2).log())

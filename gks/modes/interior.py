@@ -10,7 +10,6 @@ from gks.modes.algebraic import Root
 from gks.modes.amplification import under_multistep, under_runge_kutta
 from gks.modes.cauchy import CauchyResult, Instability, cauchy_stable, semi_discrete_stable
 from gks.modes.cauchy_set import CauchyInterval, CauchySet, cauchy_set
-from gks.modes.characteristic import Field
 from gks.modes.coefficients import Coefficients, common_denominator
 from gks.modes.kreiss import NormalModeProblem
 from gks.modes.numerals import modulus_of, text_real

@@ -29,7 +29,7 @@ from flint import acb, fmpz_mpoly
 
 from gks.errors import SchemeError, Where
 from gks.modes.algebraic import Position, Root
-from gks.modes.characteristic import Field, fields_of, mirrored
+from gks.modes.characteristic import fields_of
 from gks.modes.coefficients import Coefficients, Ratio, common_denominator
 from gks.modes.factoring import irreducible_factors
 from gks.modes.fibre import at_balls, fibre, specialise

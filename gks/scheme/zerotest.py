@@ -19,6 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from fractions import Fraction
+from functools import reduce
 from itertools import islice
 from math import ceil
 from typing import TYPE_CHECKING
@@ -27,7 +28,7 @@ from gks.scheme.expression import Expr
 from gks.scheme.limits import MAX_BITS
 
 if TYPE_CHECKING:
-    from flint import acb
+    from flint import acb, arb
 
 Range = tuple[Fraction | None, Fraction | None]
 
@@ -287,3 +288,18 @@ class _Balls:
 
     def sqrt(self, radicand: acb) -> acb:
         return radicand.sqrt()
+
+    def minimum(self, values: Sequence[acb]) -> acb:
+        """Of real numbers; of anything else, not a number."""
+        return self._extremum(values, lambda a, b: a.min(b))
+
+    def maximum(self, values: Sequence[acb]) -> acb:
+        """Of real numbers; of anything else, not a number."""
+        return self._extremum(values, lambda a, b: a.max(b))
+
+    def _extremum(self, values: Sequence[acb], choose: Callable[[arb, arb], arb]) -> acb:
+        import flint
+
+        if any(value.imag != 0 for value in values):
+            return flint.acb("nan")
+        return flint.acb(reduce(choose, (value.real for value in values)))

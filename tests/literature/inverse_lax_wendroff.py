@@ -8,6 +8,7 @@ the boundary data and the equation (0 here), the others from the polynomial of d
 from __future__ import annotations
 
 from fractions import Fraction
+from functools import cache
 
 import numpy as np
 
@@ -15,8 +16,6 @@ from gks.scheme.model import Scheme
 from tests.literature.closures import half_line
 
 BEAM_WARMING = "u[i, n+1] = u[i] - lam/2*(3*u[i] - 4*u[i-1] + u[i-2]) + lam**2/2*(u[i] - 2*u[i-1] + u[i-2])"
-LAGRANGE = tuple[Fraction, ...]
-
 
 def lagrange(node: int, order: int, sigma: Fraction) -> list[Fraction]:
     """Ascending coefficients in x/dx of the polynomial that is 1 at x_node and 0 at the other first ``order`` cells."""
@@ -30,6 +29,7 @@ def lagrange(node: int, order: int, sigma: Fraction) -> list[Fraction]:
     return powers
 
 
+@cache
 def ghost_weights(ghost: int, order: int, known: int, sigma: Fraction) -> list[Fraction]:
     """u[ghost] = sum_k weights[k] u[k], ghost = -1, -2."""
     x = ghost + sigma

@@ -1,0 +1,136 @@
+"""Numbers of a certificate: rationals, real roots of polynomials, and balls around them. Part of the checker."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+from hashlib import sha256
+from itertools import pairwise
+from typing import Any
+
+from flint import acb, arb, ctx, fmpq, fmpz_mpoly, fmpz_poly
+
+from gks.bounds.checkderive import parts_of, put
+from gks.bounds.checkformula import Rejected
+
+BITS = 256
+"""Working precision of comparisons: far beyond the doubles and the printed numbers they hold."""
+
+LIMIT = 2.0**-30
+"""Relative distance within which an end beside a wall counts as tending to an end on it."""
+
+
+def digest(certificate: Mapping[str, Any]) -> str:
+    """SHA-256 of everything else in the certificate, so that a slip of the file is told from a false proof."""
+    rest = {key: value for key, value in certificate.items() if key != "digest"}
+    return sha256(json.dumps(rest, sort_keys=True, allow_nan=False).encode()).hexdigest()
+
+
+def fraction(text: object) -> Fraction:
+    if not isinstance(text, str):
+        raise Rejected(f"{text!r} is no number")
+    try:
+        value = Fraction(text)
+    except (ValueError, ZeroDivisionError):
+        raise Rejected(f"{text!r} is no number") from None
+    if str(value) != text:
+        raise Rejected(f"{text!r} is not in lowest terms")
+    return value
+
+
+def ball_of(value: Fraction) -> arb:
+    return arb(fmpq(value.numerator, value.denominator))
+
+
+def complex_of(value: Fraction) -> acb:
+    return acb(fmpq(value.numerator, value.denominator))
+
+
+def exact(value: arb) -> Fraction:
+    """The midpoint."""
+    mantissa, exponent = value.mid().man_exp()
+    return Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
+
+
+def real_roots(poly: fmpz_poly) -> list[arb]:
+    """The distinct real roots, ascending, in disjoint balls."""
+    found = [root.real for g, _ in poly.factor()[1] for root, _ in g.complex_roots() if root.imag == 0]
+    found.sort(key=exact)
+    for one, other in pairwise(found):
+        if not one < other:
+            raise Rejected("real roots are not told apart at the precision of the check")
+    return found
+
+
+class Real:
+    """A real root of an irreducible polynomial, by its place among the real ones: a ball at any precision."""
+
+    def __init__(self, poly: fmpz_poly, place: int) -> None:
+        self.poly, self.place = poly, place
+
+    def ball(self, bits: int = BITS) -> arb:
+        with ctx.workprec(bits):
+            return real_roots(self.poly)[self.place - 1]
+
+    @property
+    def rational(self) -> Fraction | None:
+        if self.poly.degree() != 1:
+            return None
+        constant, slope = list(self.poly)
+        return Fraction(-int(constant), int(slope))
+
+
+def over(curve: fmpz_mpoly, p: Fraction) -> fmpz_poly:
+    """A curve over a rational p, as a polynomial in lam."""
+    parts = parts_of(put(curve, "p", p), "lam")
+    return fmpz_poly([int(c.leading_coefficient()) if not c.is_zero() else 0 for c in parts])
+
+
+def positive(curve: fmpz_mpoly, p: Fraction) -> list[arb]:
+    return [root for root in real_roots(over(curve, p)) if root > 0]
+
+
+def near_positive(curve: fmpz_mpoly, p: Fraction) -> list[arb]:
+    """Positive real parts of the roots that are real, or nearly: a pair that meets at a real point close by."""
+    found = []
+    for g, _ in over(curve, p).factor()[1]:
+        for root, _ in g.complex_roots():
+            if root.real > 0 and root.imag.abs_upper() <= root.real.abs_lower() * LIMIT:
+                found.append(root.real)
+    return found
+
+
+def real_root_of(curve: fmpz_mpoly, p: Fraction, place: int) -> Real:
+    """The place-th positive root over p, over its irreducible polynomial."""
+    here = positive(curve, p)[place - 1]
+    for g, _ in over(curve, p).factor()[1]:
+        for k, root in enumerate(real_roots(g)):
+            if root.overlaps(here):
+                return Real(g, k + 1)
+    raise Rejected("a root of a curve is lost")
+
+
+def gaps_between(levels: Sequence[arb]) -> list[Fraction]:
+    """A positive rational below, between and above ascending positive numbers, short ones."""
+    if not levels:
+        return [Fraction(1)]
+    ends = [Fraction(0), *(exact(level) for level in levels)]
+    inner = []
+    for k, (one, other) in enumerate(pairwise(ends)):
+        middle = (one + other) / 2
+        short = middle.limit_denominator(max(2, int(8 / (other - one)) + 2)) if other - one > 0 else middle
+        choice = short if _strictly(levels, k, short) else middle
+        if not _strictly(levels, k, choice):
+            raise Rejected("two curves are not told apart")
+        inner.append(choice)
+    return [*inner, Fraction(int(ends[-1]) + 1) if _strictly(levels, len(levels), Fraction(int(ends[-1]) + 1)) else ends[-1] + 1]
+
+
+def _strictly(levels: Sequence[arb], k: int, value: Fraction) -> bool:
+    here = ball_of(value)
+    return bool(value > 0 and (k == 0 or levels[k - 1] < here) and (k == len(levels) or here < levels[k]))
+
+
+def close(one: arb, other: arb) -> bool:
+    return bool(abs(one - other) <= LIMIT * abs(other))

@@ -1,0 +1,213 @@
+"""The pieces of a certificate, formulas and numbers, held against its cells and cuts. Part of the checker."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any
+
+from flint import acb, arb
+
+from gks.bounds.checkderive import GEN, ONE, Fr, parts_of
+from gks.bounds.checkformula import Rejected, read
+from gks.bounds.checknumbers import Real, ball_of, complex_of, exact, positive, real_roots
+from gks.bounds.checkpoint import univariate
+
+if TYPE_CHECKING:
+    from gks.bounds.check import _CellCheck, _Checker, _Cut
+
+_ROOT = re.compile(r"(-?)root\((.*), (\d+)\)")
+
+AGREE = 2.0**-200
+"""Relative distance of a formula from the number it stands for, at 256 bits: what nested roots cost is far less."""
+
+SHARES = (Fraction(1, 3), Fraction(1, 2), Fraction(5, 7))
+"""Places in a cell, besides its sample, at which formulas are evaluated."""
+
+KEYS = {"from", "to", "from_value", "to_value", "bound", "at_bound", "stable_set", "closed_form"}
+
+
+class _Balls:
+    def integer(self, value: int) -> acb:
+        return acb(value)
+
+    def sqrt(self, value: acb) -> acb:
+        return acb(value.real.sqrt())
+
+
+def verify_pieces(pieces: Sequence[Mapping[str, Any]], owner: _Checker) -> None:
+    """Every piece covers whole cells, its edges are cuts, and what it states is what the cells state."""
+    cell = 0
+    low, high = owner.domain
+    edge: Real | Fraction | None = low
+    waiting: _Cut | None = None
+    for piece in pieces:
+        _shape(piece)
+        if piece["from"] == piece["to"]:
+            if waiting is None or waiting.spans is None:
+                raise Rejected(f"the single value {piece['from']} has no stable set of its own")
+            _edge(piece, "from", waiting.root, owner)
+            _edge(piece, "to", waiting.root, owner)
+            verify_single(piece, waiting.spans, owner.scheme.cfl)
+            _bound(piece, waiting.at_bound)
+            waiting = None
+            continue
+        if waiting is not None and waiting.spans is not None:
+            raise Rejected("a cut with a stable set of its own is stated nowhere")
+        _edge(piece, "from", edge, owner, "-oo")
+        while True:
+            if cell == len(owner.cells):
+                raise Rejected("the pieces go beyond the cells")
+            _stated(piece, owner.cells[cell], owner)
+            cell += 1
+            if cell == len(owner.cells):
+                edge, waiting = high, None
+                break
+            cut = owner.cuts[cell - 1]
+            if _is_edge(piece, cut.root, owner):
+                edge, waiting = cut.root, cut
+                break
+            if cut.spans is not None:
+                raise Rejected("a piece passes over a cut with a stable set of its own")
+        _edge(piece, "to", edge, owner, "oo")
+    if cell != len(owner.cells) or waiting is not None:
+        raise Rejected("the pieces do not cover the domain")
+
+
+def verify_single(piece: Mapping[str, Any], spans: Sequence[tuple[Real | None, Real | None]], lam: str) -> None:
+    """A piece at one value: its ends are numbers."""
+    _shape(piece)
+    stated = piece["stable_set"]
+    if len(stated) != len(spans):
+        raise Rejected("the number of stable intervals is not what was verified")
+    for (low, high), (below, above) in zip(stated, spans, strict=True):
+        _number(low, below, "0", lam)
+        _number(high, above, "oo", lam)
+    first = stated[0] if stated and stated[0][0] == "0" else None
+    if piece["bound"] != (first[1] if first else "0"):
+        raise Rejected("the bound is not the end of the first stable interval")
+
+
+def _shape(piece: Mapping[str, Any]) -> None:
+    if set(piece) != KEYS:
+        raise Rejected("a piece has not the entries it should have")
+    texts = [piece["bound"], *(end for span in piece["stable_set"] for end in span)]
+    if piece["closed_form"] is not (not any("root(" in text for text in texts)):
+        raise Rejected("a piece is not in the closed form it claims")
+
+
+def _number(text: str, value: Real | None, otherwise: str, name: str) -> None:
+    if value is None:
+        if text != otherwise:
+            raise Rejected(f"{text!r} should be {otherwise}")
+        return
+    if not _agree(_constant(text, name), value.ball()):
+        raise Rejected(f"{text!r} is not the number that was verified")
+
+
+def _constant(text: str, name: str) -> arb:
+    """A number written as a formula, or as a root of a polynomial in ``name``."""
+    match = _ROOT.fullmatch(text)
+    if match is None:
+        return read(text, _Balls(), {}).real
+    poly = univariate(_function(match[2], {name: "x"}), "x")
+    root = [r for r in real_roots(poly) if r > 0][int(match[3]) - 1]
+    return -root if match[1] else root
+
+
+def _function(text: str, names: Mapping[str, str]) -> Any:
+    from gks.bounds.check import _Function, _Polynomials
+
+    value = read(text, _Polynomials(), {n: _Function(Fr(GEN[g], ONE)) for n, g in names.items()}).value
+    if not value.den.is_one():
+        raise Rejected(f"{text!r} is no polynomial")
+    return value.num
+
+
+def _agree(one: arb, other: arb) -> bool:
+    return bool(abs(one - other) <= AGREE * (abs(one) + abs(other)))
+
+
+# Edges ------------------------------------------------------------------------------------------------------------------
+
+
+def _ball(edge: Real | Fraction) -> arb:
+    return edge.ball() if isinstance(edge, Real) else ball_of(edge)
+
+
+def _is_edge(piece: Mapping[str, Any], root: Real, owner: _Checker) -> bool:
+    text = piece["to"]
+    return text != "oo" and _agree(_constant(text, str(owner.parameter)), root.ball())
+
+
+def _edge(piece: Mapping[str, Any], side: str, edge: Real | Fraction | None, owner: _Checker, infinite: str = "") -> None:
+    text, value = piece[side], piece[f"{side}_value"]
+    if edge is None:
+        if text != infinite or value != infinite:
+            raise Rejected(f"a piece should reach to {infinite}")
+        return
+    if not _agree(_constant(text, str(owner.parameter)), _ball(edge)) and not (text == "0" and edge == 0):
+        raise Rejected(f"{text!r} is not the edge of its piece")
+    if isinstance(value, bool) or not isinstance(value, float | str):
+        raise Rejected(f"{value!r} is not the number that {text!r} is")
+    true = exact(_ball(edge))
+    if isinstance(value, float):
+        if float(true) != value:
+            raise Rejected(f"{value!r} is not the double nearest to {text!r}")
+    elif abs(Fraction(value) - true) > abs(true) / 10**16:
+        raise Rejected(f"{value!r} is not the number that {text!r} is")
+
+
+# Formulas -----------------------------------------------------------------------------------------------------------------
+
+
+def _stated(piece: Mapping[str, Any], cell: _CellCheck, owner: _Checker) -> None:
+    if len(piece["stable_set"]) != len(cell.spans):
+        raise Rejected("a piece and its cell have different numbers of stable intervals")
+    _bound(piece, cell.at_bound)
+    for p in _places(cell, owner):
+        for (low, high), (below, above) in zip(piece["stable_set"], cell.spans, strict=True):
+            _formula(low, below, "0", p, owner)
+            _formula(high, above, "oo", p, owner)
+    first = piece["stable_set"][0] if piece["stable_set"] and piece["stable_set"][0][0] == "0" else None
+    if piece["bound"] != (first[1] if first else "0"):
+        raise Rejected("the bound is not the end of the first stable interval")
+
+
+def _bound(piece: Mapping[str, Any], at_bound: str | None) -> None:
+    if piece["at_bound"] != at_bound:
+        raise Rejected("the verdict on the bound is not that of the cell")
+
+
+def _places(cell: _CellCheck, owner: _Checker) -> list[Fraction]:
+    low, high = cell.ends
+    bottom = exact(low.ball()) if low else owner.domain[0]
+    top = exact(high.ball()) if high else owner.domain[1]
+    if bottom is None:
+        bottom = (cell.sample if top is None else min(cell.sample, top)) - 7
+    if top is None:
+        top = max(cell.sample, bottom) + 7
+    inside = [(bottom + (top - bottom) * share).limit_denominator(10**6) for share in SHARES]
+    clear = [p for p in inside if bottom < p < top and (not low or ball_of(p) > low.ball()) and (not high or ball_of(p) < high.ball())]
+    return [cell.sample, *clear]
+
+
+def _formula(text: str, branch: tuple[int, int] | None, otherwise: str, p: Fraction, owner: _Checker) -> None:
+    if branch is None:
+        if text != otherwise:
+            raise Rejected(f"{text!r} should be {otherwise}")
+        return
+    curve, place = owner.curves[branch[0]], branch[1]
+    match = _ROOT.fullmatch(text)
+    if match is not None:
+        given = _function(match[2], {str(owner.parameter): "p", owner.scheme.cfl: "lam"})
+        if given not in (curve, -curve) or match[1] or int(match[3]) != place:
+            raise Rejected(f"{text!r} is not the curve that was verified")
+        return
+    value = read(text, _Balls(), {str(owner.parameter): complex_of(p)}).real
+    if not _agree(value, positive(curve, p)[place - 1]):
+        raise Rejected(f"{text!r} is not the bound at {owner.parameter} = {p}")
+
+
+__all__ = ["parts_of", "verify_pieces", "verify_single"]

@@ -1,0 +1,399 @@
+"""The checker's own verdict at a point, in balls.
+
+At rational (p, lam) all polynomials are rational, and what lies on the unit circle is told exactly: a root of an
+irreducible polynomial that is its own reciprocal is on the circle when the mirror image of its ball meets no other ball.
+At an algebraic point balls prove only what is strict; a root that meets the circle at the highest precision is taken to be
+on it, which errs on the side of refusing what is claimed to be stable.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import combinations, product
+
+from flint import acb, acb_poly, arb, ctx, fmpq, fmpz_mpoly, fmpz_poly
+
+from gks.bounds.checkderive import (
+    Problem,
+    bases,
+    characteristic,
+    degree,
+    enclose,
+    factors,
+    in_z,
+    kreiss,
+    mirror,
+    parts_of,
+    put,
+)
+from gks.bounds.checkformula import Rejected
+
+LADDER = (128, 256, 512, 1024, 2048)
+"""Working precisions, in bits; a question that the last leaves open rejects the certificate."""
+
+
+Ends = Callable[[int], Mapping[str, acb]]
+"""A point as balls at a precision in bits."""
+
+
+class _Open(Exception):
+    """Not decided at this precision."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Mode:
+    """A zero of the norm on or outside the circle: whether Delta vanishes for its decaying solutions."""
+
+    on_circle: bool
+    zero: bool
+    needs_limit: bool
+
+
+class Judge:
+    """Verdicts of one scheme; ``problem`` has p and lam symbolic."""
+
+    def __init__(self, problem: Problem) -> None:
+        self.problem = problem
+        self.own, _ = characteristic(problem)
+        self.mapped = in_z(problem, self.own)
+
+    def stable(self, p: Fraction, lam: Fraction) -> bool:
+        """At a rational point on no curve, exactly."""
+        at = {"p": p, "lam": lam}
+        for bits in LADDER:
+            with ctx.workprec(bits):
+                try:
+                    if not all(_cauchy(_at(growth, at)) for growth in self.problem.growth):
+                        return False
+                    return not any(mode.zero for mode in self._modes(_balls(at), at))
+                except _Open:
+                    continue
+        raise Rejected(f"the verdict at p = {p}, lam = {lam} is not verified")
+
+    def interior(self, p: Fraction, lam: Fraction) -> bool:
+        """Whether the interior is Cauchy-stable at a rational point, exactly."""
+        at = {"p": p, "lam": lam}
+        for bits in LADDER:
+            with ctx.workprec(bits):
+                try:
+                    return all(_cauchy(_at(growth, at)) for growth in self.problem.growth)
+                except _Open:
+                    continue
+        raise Rejected(f"Cauchy stability at p = {p}, lam = {lam} is not verified")
+
+    def on_curve(self, p: Fraction, lam: Fraction) -> str:
+        """The verdict at a rational point, exactly: "stable", "neutral", "generalized" or "unstable"."""
+        if not self.interior(p, lam):
+            return "unstable"
+        at = {"p": p, "lam": lam}
+        return self._worst(lambda bits: _balls(at), at)
+
+    def at_point(self, ends: Ends) -> str:
+        """The verdict of the closure where (p, lam) is given by ``ends(bits)``, balls: "stable", "neutral", "generalized".
+
+        "unstable" for a growing mode. The interior is taken to be Cauchy-stable.
+        """
+        return self._worst(ends, None)
+
+    def _worst(self, ends: Ends, exact: Mapping[str, Fraction] | None) -> str:
+        for bits in LADDER[1:]:
+            with ctx.workprec(bits):
+                try:
+                    modes = [mode for mode in self._modes(ends(bits), exact) if mode.zero]
+                except _Open:
+                    continue
+                if any(not mode.on_circle for mode in modes):
+                    return "unstable"
+                if any(mode.needs_limit for mode in modes):
+                    return "generalized"
+                return "neutral" if modes else "stable"
+        raise Rejected("the verdict at a point of a curve is not verified")
+
+    # Closure --------------------------------------------------------------------------------------------------------------
+
+    def _modes(self, ball: Mapping[str, acb], exact: Mapping[str, Fraction] | None) -> Iterator[_Mode]:
+        on_circle = None if exact is None else [z for f in self.mapped for z in _unimodular(_at(f, exact))]
+        for f in self.own:
+            for sigma in _roots(f, self.problem.variable, ball, exact):
+                for z in self._images(sigma, ball):
+                    place = _place(z, on_circle)
+                    if place >= 0:
+                        yield self._mode({**ball, self.problem.variable: sigma, "z": z}, place == 0, exact or {})
+
+    def _images(self, sigma: acb, ball: Mapping[str, acb]) -> list[acb]:
+        if self.problem.time_map is None:
+            return [sigma]
+        return _solved([enclose(c, {**ball, "s": sigma}) for c in parts_of(self.problem.time_map, "z")])
+
+    def _mode(self, at: Mapping[str, acb], on_circle: bool, exact: Mapping[str, Fraction]) -> _Mode:
+        chosen, limiting = [], False
+        others: list[list[list[acb]]] = []
+        for family in self.problem.families:
+            whole, part = (_at(each, exact) for each in (family.whole, family.part))
+            roots, double = _with_double(whole, at)
+            inside = [x for x in roots if abs(x) < 1]
+            straddling = [x for x in roots if not abs(x) < 1 and not abs(x) > 1]
+            if (straddling or double) and not on_circle:
+                raise _Open
+            # Of two branches that meet on the circle one comes from inside: they leave in opposite directions.
+            coming = double + [x for x in straddling if self._comes_from_inside(whole, {**at, "x": x})]
+            roots = roots + double
+            mine = inside + coming
+            if len(mine) != family.decaying:
+                raise _Open
+            chosen.append(mine)
+            limiting = limiting or bool(coming)
+            kept = [x for found in _with_double(part, at) for x in found]
+            sheets = [x for x in roots if any(x.overlaps(y) for y in kept)]
+            others.append([list(c) for c in combinations(sheets, family.decaying)])
+        delta = self._delta(chosen, at)
+        if not delta.contains(0):
+            return _Mode(on_circle, False, False)
+        for choice in product(*others):
+            same = all({id(x) for x in a} == {id(x) for x in b} for a, b in zip(choice, chosen, strict=True))
+            if not same and self._delta(choice, at).contains(0):
+                raise _Open  # another choice of spatial roots may be the one that makes the norm vanish
+        return _Mode(on_circle, True, limiting and self._limit_needed(chosen, at))
+
+    def _delta(self, roots: Sequence[Sequence[acb]], at: Mapping[str, acb]) -> acb:
+        return _ball_determinant(self._matrix(roots, at))
+
+    def _matrix(self, roots: Sequence[Sequence[acb]], at: Mapping[str, acb]) -> list[list[acb]]:
+        mine = [[acb(0)] * b.zeros + list(roots[b.family]) for b in self.problem.blocks]
+        return kreiss(self.problem, mine, lambda c: enclose(c, at), acb(0), acb(1))  # type: ignore[return-value]
+
+    def _limit_needed(self, roots: Sequence[Sequence[acb]], at: Mapping[str, acb]) -> bool:
+        """Whether the columns that decay strictly are independent, so that a kernel vector needs the others."""
+        columns = [list(column) for column in zip(*self._matrix(roots, at), strict=True)]
+        strict = [[acb(0)] * b.zeros + list(roots[b.family]) for b in self.problem.blocks]
+        kept = [c for c, x in zip(columns, [x for mine in strict for x in mine], strict=True) if abs(x) < 1]
+        gram = [[sum((a * b.conjugate() for a, b in zip(one, other, strict=True)), acb(0)) for other in kept] for one in kept]
+        return not _ball_determinant(gram).contains(0) if gram else True
+
+    def _comes_from_inside(self, symbol: fmpz_mpoly, at: Mapping[str, acb]) -> bool:
+        """Whether abs(x) falls below 1 as abs(z) grows: the sign of the real part of d log x / d log z."""
+        along = enclose(symbol.derivative(self.problem.variable), at)
+        if self.problem.time_map is not None:
+            pi = self.problem.time_map
+            along = -along * enclose(pi.derivative("z"), at) / enclose(pi.derivative("s"), at)
+        rate = (-at["z"] * along / (at["x"] * enclose(symbol.derivative("x"), at))).real
+        if not (rate < 0 or rate > 0):
+            raise _Open
+        return bool(rate < 0)
+
+
+def _at(polynomial: fmpz_mpoly, values: Mapping[str, Fraction]) -> fmpz_mpoly:
+    for name, value in values.items():
+        polynomial = put(polynomial, name, value)
+    return polynomial
+
+
+def _balls(values: Mapping[str, Fraction]) -> dict[str, acb]:
+    return {name: acb(fmpq(v.numerator, v.denominator)) for name, v in values.items()}
+
+
+def univariate(polynomial: fmpz_mpoly, name: str) -> fmpz_poly:
+    return fmpz_poly([int(c.leading_coefficient()) if not c.is_zero() else 0 for c in parts_of(polynomial, name)])
+
+
+def _roots(f: fmpz_mpoly, name: str, ball: Mapping[str, acb], exact: Mapping[str, Fraction] | None) -> list[acb]:
+    """The distinct roots, in disjoint balls."""
+    if exact is None:
+        parts = [enclose(c, ball) for c in parts_of(f, name)]
+        try:
+            return _solved(parts)
+        except _Open:
+            return [root for found in _deflated(parts) for root in found]
+    poly = univariate(_at(f, exact), name)
+    return [root for g, _ in poly.factor()[1] for root, _ in g.complex_roots()]
+
+
+def _solved(coefficients: Sequence[acb]) -> list[acb]:
+    """Disjoint balls around the roots of a polynomial with ball coefficients; _Open where they are not isolated."""
+    if len(coefficients) < 2:
+        return []
+    if coefficients[-1].contains(0):
+        raise _Open
+    try:
+        return list(acb_poly(list(coefficients)).roots())
+    except ValueError:
+        raise _Open from None
+
+
+def _with_double(symbol: fmpz_mpoly, at: Mapping[str, acb]) -> tuple[list[acb], list[acb]]:
+    """The simple roots x, and a double one on the circle if that is what keeps the roots from being isolated."""
+    parts = [enclose(c, at) for c in parts_of(symbol, "x")]
+    try:
+        return _solved(parts), []
+    except _Open:
+        simple, double = _deflated(parts)
+        if not abs(double[0]).contains(1):
+            raise
+        return simple, double
+
+
+def _deflated(parts: Sequence[acb]) -> tuple[list[acb], list[acb]]:
+    """The simple roots, and the one double root: a root of the derivative at which the polynomial may vanish."""
+    if len(parts) < 3 or parts[-1].contains(0):
+        raise _Open
+    whole = acb_poly(list(parts))
+    hits = [w for w in _solved(list(whole.derivative())) if whole(w).contains(0)]
+    if len(hits) != 1:
+        raise _Open
+    rest = list(parts)
+    for _ in range(2):
+        quotient = [rest[-1]]
+        for c in reversed(rest[1:-1]):
+            quotient.append(c + hits[0] * quotient[-1])
+        rest = quotient[::-1]
+    return _solved(rest), hits
+
+
+def _unimodular(f: fmpz_mpoly) -> list[acb]:
+    """Balls of the roots z that are exactly on the circle."""
+    found = []
+    for g, _ in univariate(f, "z").factor()[1]:
+        turned = fmpz_poly(list(g)[::-1])
+        if turned not in (g, -g):
+            continue
+        roots = [root for root, _ in g.complex_roots()]
+        for root in roots:
+            image = 1 / root.conjugate()
+            if abs(root).contains(1) and [r for r in roots if r.overlaps(image)] == [root]:
+                found.append(root)
+    return found
+
+
+def _place(z: acb, on_circle: Sequence[acb] | None) -> int:
+    """-1 inside, 0 on the circle, 1 outside."""
+    if abs(z) < 1:
+        return -1
+    if abs(z) > 1:
+        return 1
+    if on_circle is not None and not any(z.overlaps(each) for each in on_circle):
+        raise _Open
+    return 0
+
+
+def _ball_determinant(matrix: Sequence[Sequence[acb]]) -> acb:
+    """By elimination with the largest pivot; rows that may be zero make the result a ball around 0."""
+    rows = [list(row) for row in matrix]
+    total = acb(1)
+    for k in range(len(rows)):
+        places = [i for i in range(k, len(rows)) if not rows[i][k].contains(0)]
+        if not places:
+            return total * _expanded([row[k:] for row in rows[k:]])
+        best = max(places, key=lambda i: float(abs(rows[i][k]).log().mid()))
+        if best != k:
+            rows[k], rows[best] = rows[best], rows[k]
+            total = -total
+        total *= rows[k][k]
+        for i in range(k + 1, len(rows)):
+            factor = rows[i][k] / rows[k][k]
+            rows[i] = [a - factor * b for a, b in zip(rows[i], rows[k], strict=True)]
+    return total
+
+
+def _expanded(matrix: Sequence[Sequence[acb]]) -> acb:
+    if not matrix:
+        return acb(1)
+    total = acb(0)
+    for j, entry in enumerate(matrix[0]):
+        total += (-1) ** j * entry * _expanded([[v for k, v in enumerate(row) if k != j] for row in matrix[1:]])
+    return total
+
+
+# The interior -------------------------------------------------------------------------------------------------------------
+
+
+def _cauchy(growth: fmpz_mpoly) -> bool:
+    """Whether F(z, x) = 0, with integer coefficients, is Cauchy-stable.
+
+    Cuts of the upper half circle: where a leading coefficient vanishes or roots z may meet the circle or each other. Between
+    cuts one rational point decides; at a cut the moduli are limits, and only a multiple root on the circle can do harm.
+    """
+    split = [f for f, _ in factors(growth) if degree(f, "z")]
+    cuts = _slopes([cut for f in split for cut in _cutting(f, split)])
+    inner = [(a[1] + b[0]) / 2 for a, b in zip(cuts[:-1], cuts[1:], strict=True)]
+    first = [cuts[0][0] / 2] if cuts and cuts[0][0] > 0 else [Fraction(1)] if not cuts else []
+    last = [cuts[-1][1] + 1] if cuts else []
+    for t in [*first, *inner, *last]:
+        x = acb(1, fmpq(t.numerator, t.denominator)) / acb(1, -fmpq(t.numerator, t.denominator))
+        if not all(_inside_or_on(f, x) for f in split):
+            return False
+    ends = [acb(1), acb(-1), *(_circle_ball(cut) for cut in cuts)]
+    return all(_simple_on_circle(split, x) for x in ends)
+
+
+def _cutting(f: fmpz_mpoly, split: Sequence[fmpz_mpoly]) -> Iterator[fmpz_poly]:
+    yield univariate(parts_of(f, "z")[-1], "x")
+    turned = mirror(f, "z", "x")
+    loci = [f.resultant(turned, "z")] if turned not in (f, -f) else []
+    if degree(f, "z") > 1:
+        loci.append(f.discriminant("z"))
+    loci += [f.resultant(other, "z") for other in split if other != f]
+    yield from (univariate(locus, "x") for locus in loci if not locus.is_zero())
+
+
+def _slopes(cuts: Sequence[fmpz_poly]) -> list[tuple[Fraction, Fraction]]:
+    """Disjoint rational intervals for tan(theta/2), 0 < theta < pi, of all cuts on the circle (more do no harm)."""
+    found: list[tuple[Fraction, Fraction]] = []
+    known = {tuple(int(c) for c in list(g)): g for cut in cuts for g, _ in cut.factor()[1]}
+    for g in known.values():
+        for x, _ in g.complex_roots():
+            if abs(x).contains(1) and x.imag > 0:
+                slope = x.imag / (1 + x.real)
+                found.append((_exact(slope.lower()), _exact(slope.upper())))
+    found.sort()
+    merged: list[tuple[Fraction, Fraction]] = []
+    for low, high in found:
+        if merged and low <= merged[-1][1]:
+            merged[-1] = (merged[-1][0], max(high, merged[-1][1]))
+        else:
+            merged.append((low, high))
+    return merged
+
+
+def _exact(value: arb) -> Fraction:
+    mantissa, exponent = value.man_exp()
+    return Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
+
+
+def _circle_ball(slope: tuple[Fraction, Fraction]) -> acb:
+    low, high = (arb(fmpq(e.numerator, e.denominator)) for e in slope)
+    t = low.union(high)
+    return acb(1 - t * t, 2 * t) / (1 + t * t)
+
+
+def _inside_or_on(f: fmpz_mpoly, x: acb) -> bool:
+    """Whether no root z at a point between cuts is outside; on the circle are those whose mirror image is their own."""
+    roots = _solved([enclose(c, {"x": x}) for c in parts_of(f, "z")])
+    neutral = mirror(f, "z", "x") in (f, -f)
+    for z in roots:
+        if abs(z) > 1:
+            return False
+        if abs(z) < 1:
+            continue
+        image = 1 / z.conjugate()
+        if not neutral or sum(r.overlaps(image) for r in roots) != 1:
+            raise _Open
+    return True
+
+
+def _simple_on_circle(split: Sequence[fmpz_mpoly], x: acb) -> bool:
+    near: list[acb] = []
+    for f in split:
+        parts = [enclose(c, {"x": x}) for c in parts_of(f, "z")]
+        if parts[-1].contains(0):
+            return False
+        try:
+            near += [z for z in _solved(parts) if not abs(z) < 1]
+        except _Open:
+            if abs(_deflated(parts)[1][0]).contains(1):
+                return False  # a double root on the circle
+    return not any(a.overlaps(b) for k, a in enumerate(near) for b in near[:k])
+
+
+__all__ = ["LADDER", "Judge", "bases", "univariate"]
