@@ -1,7 +1,7 @@
-"""The exact solution of the Riemann problem between an elastic solid (x < 0) and a gas (x > 0): Section 2 of Banks & Sjögreen.
+"""The exact solution of the Riemann problem between an elastic solid (x < 0) and a gas (x > 0).
 
-The solid answers with one acoustic wave to the left, across which -u + sigma/Z is constant (Z = rho_s c_s), the gas with one
-shock or rarefaction to the right. With u continuous and sigma = -p at the interface its pressure p solves
+The solid answers with one acoustic wave to the left, across which -u + sigma/Z is constant (Z = rho_s c_s), the gas
+with one shock or rarefaction to the right. With u continuous and sigma = -p at the interface its pressure p solves
 
     f_R(p) + (p + sigma_s)/Z + u_f - u_s = 0,
 
@@ -46,7 +46,7 @@ def gas(density: float = 1.0, velocity: float = 0.0, pressure: float = 1.0) -> G
 
 @dataclass(frozen=True, slots=True)
 class CoupledRiemann:
-    """The solution for one solid and one gas: velocity and pressure at the interface, and the profiles over x at time t."""
+    """The solution for one solid and one gas: velocity and pressure at the interface, and profiles over x."""
 
     solid: Solid
     fluid: Gas

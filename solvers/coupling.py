@@ -1,8 +1,8 @@
 """The interface conditions of two half-lines: as arithmetic for a solver, and as a scheme file for the analyser.
 
-One `Condition` serves the acoustic problem of Section 3 of Banks & Sjögreen and the fluid/solid problem of its Section 2:
-both take an interface velocity and an interface stress as weighted means of the two sides. e_L, e_R are the sides'
-admittances, 1/(rho c). The left half-line is the solid where there is one.
+One `Condition` serves the acoustic problem of Section 3 of Banks & Sjögreen and the fluid/solid problem of its
+Section 2: both take an interface velocity and an interface stress as weighted means of the two sides. e_L, e_R are
+the sides' admittances, 1/(rho c). The left half-line is the solid where there is one.
 """
 
 from __future__ import annotations
@@ -52,9 +52,7 @@ class Condition:
     left_ghost: str = ""
     crossed: bool = False
 
-    def values(
-        self, e_left: Array, e_right: Array, left: tuple[Array, Array], right: tuple[Array, Array]
-    ) -> Values:
+    def values(self, e_left: Array, e_right: Array, left: tuple[Array, Array], right: tuple[Array, Array]) -> Values:
         """The interface values from (velocity, stress) next to the interface on either side."""
         (u_left, s_left), (u_right, s_right) = left, right
         v = SHARES[self.stress](e_left, e_right)
@@ -70,13 +68,13 @@ class Condition:
         return Values(w * u_left + (1 - w) * u_right, velocity, stress)
 
 
-_BY_IMPEDANCE = {"velocity": "e_R/(e_L + e_R)", "stress": "e_L/(e_L + e_R)"}
+_VELOCITY, _STRESS = "e_R/(e_L + e_R)", "e_L/(e_L + e_R)"
 
 TRADITIONAL = Condition("traditional", "(2.4), (3.6), (3.23): velocity of the left, stress of the right", "1", "0")
 MIRROR = Condition("mirror", "(2.3): stress of the left, velocity of the right", "0", "1")
 AVERAGE = Condition("average", "(2.5): the mean of both", "1/2", "1/2")
-WEIGHTED = Condition("weighted", "(3.19), (3.30), (4.3): weighted by impedance", **_BY_IMPEDANCE)
-CHARACTERISTIC = Condition("characteristic", "(3.17), (3.18): the Riemann problem's", crossed=True, **_BY_IMPEDANCE)
+WEIGHTED = Condition("weighted", "(3.19), (3.30), (4.3): weighted by impedance", _VELOCITY, _STRESS)
+CHARACTERISTIC = Condition("characteristic", "(3.17), (3.18): the Riemann problem's", _VELOCITY, _STRESS, crossed=True)
 
 CONDITIONS: Mapping[str, Condition] = {
     each.name: each for each in (TRADITIONAL, MIRROR, AVERAGE, WEIGHTED, CHARACTERISTIC)
@@ -89,8 +87,8 @@ INTERIORS: Mapping[str, int] = {"upwind1": 1, "lax-wendroff": 1, "beam-warming":
 def coupling_scheme(condition: Condition, order: int = 1, interior: str = "upwind1") -> Scheme:
     """The scheme file of two acoustic half-lines under the condition; rho_L = c_L = 1.
 
-    Its parameters: lam = c_L dt/dx, alpha = rho_R/rho_L, c = c_R/c_L. The ghost cells take the interface values, (3.2), at
-    order 1 and mirror in the interface values extrapolated from two cells a side, (3.22), at order 2.
+    Its parameters: lam = c_L dt/dx, alpha = rho_R/rho_L, c = c_R/c_L. At order 1 the ghost cells take the interface
+    values, (3.2); at order 2 they mirror in the interface values extrapolated from two cells a side, (3.22).
     """
     from gks.scheme.schemefile import parse_scheme
 

@@ -1,31 +1,37 @@
-"""A gas in the frame of its interface with a linearly elastic solid, Godunov's scheme on both sides: Section 2 of Banks & Sjögreen.
+"""Section 2 of Banks & Sjögreen: a gas in the frame of its interface with an elastic solid, by Godunov's scheme.
 
-    gas,   X > 0:  U_t + (F(U) - s U)_X = 0, U = (rho, rho u, e), s = dx_I/dt;   solid, X < 0:  u_t = sigma_X/rho_s, sigma_t = E u_X
+    gas,   X > 0:  U_t + (F(U) - s U)_X = 0,  U = (rho, rho u, e),  s = dx_I/dt;
+    solid, X < 0:  u_t = sigma_X/rho_s,  sigma_t = E u_X.
 
-N cells of width 1/N a side. The two ghost cells take the velocity and stress of an interface condition (`coupling`) from the cells
-next to the interface at level n, and both sides advance together. Runs of any densities and conditions march as one batch: arrays
-(runs, cells), each run with its own time step. A run that has ended leaves the batch.
+N cells of width 1/N a side. The two ghost cells take the velocity and stress of an interface condition (`coupling`)
+from the cells next to the interface at level n, and both sides advance together. Runs of any densities and conditions
+march as one batch: arrays (runs, cells), each run with its own time step. A run that has ended leaves the batch.
 
-How the text was read, and what else it could have meant (Table 1 at CFL 0.9: entries of 18 that agree; see `table1.departures`):
+How the text was read, and what else it could have meant (Table 1 at CFL 0.9: entries of 18 that agree; see
+`table1.departures`):
 
-- (2.4a) prints u_0^(f) for the solid's ghost. Then (2.5) would not be the average of (2.3) and (2.4), and rho_s = 0.125 comes out
-  stable: 17 of 18. Here the solid's ghost takes the solid's velocity.
-- (4.3a) prints the velocity weights of its stress, (3.19) has them crosswise. As printed it is stable too, but the interface takes its
-  velocity from the lighter side: at rho_s = 1e-6 it is 40 times too fast at t = 1.1. Here the weights are (3.19)'s.
-- (4.3) names rho_1, p_1 for the admittance of the gas, whose first cell is 0. Cell 0 is meant; cell 1 gives the same verdicts.
-- The ghost density is cell 0's, as printed. s is the ghost's velocity; the solid's own velocity gives the same 18 entries.
+- (2.4a) prints u_0^(f) for the solid's ghost. Then (2.5) would not be the average of (2.3) and (2.4), and rho_s =
+  0.125 comes out stable: 17 of 18. Here the solid's ghost takes the solid's velocity.
+- (4.3a) prints the velocity weights of its stress, (3.19) has them crosswise. As printed it is stable too, but the
+  interface takes its velocity from the lighter side: at rho_s = 1e-6 it is 40 times too fast at t = 1.1. Here the
+  weights are (3.19)'s.
+- (4.3) names rho_1, p_1 for the admittance of the gas, whose first cell is 0. Cell 0 is meant; cell 1 gives the same
+  verdicts.
+- The ghost density is cell 0's, as printed. s is the ghost's velocity; the solid's own velocity gives the same 18
+  entries.
 - A face of the gas moves, so its Riemann problem is sampled on the ray x/t = s.
-- No final time is given for Table 1. At 0.4, that of Figure 2, (2.5) at rho_s = 0.04 still rings (it decays by 0.97 a step):
-  17 of 18. Here t = 1.1.
-- "The computation is stopped when p becomes negative" is no criterion for light solids, whose instability saturates: alone it finds
-  14 of 18. Here a run is unstable, too, if solid and gas differ by more than 1e-2 in velocity during its last fifth.
+- No final time is given for Table 1. At 0.4, that of Figure 2, (2.5) at rho_s = 0.04 still rings (it decays by 0.97 a
+  step): 17 of 18. Here t = 1.1.
+- "The computation is stopped when p becomes negative" is no criterion for light solids, whose instability saturates:
+  alone it finds 14 of 18. Here a run is unstable, too, if solid and gas differ by more than 1e-2 in velocity during
+  its last fifth.
 - The text's grid has both N - 1 and N + 1 points on a unit length; dx = 1/(N - 1) in place of 1/N changes no entry.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 
 import numpy as np
@@ -33,7 +39,7 @@ from numpy.typing import NDArray
 
 from gks.solvers.coupled_riemann import Solid, gas
 from gks.solvers.coupling import Condition
-from gks.solvers.riemann import GAMMA, Gas, conserved, moving_flux, primitive, sample
+from gks.solvers.riemann import Gas, conserved, moving_flux, primitive, sample
 
 Array = NDArray[np.float64]
 
@@ -42,7 +48,7 @@ CFL = 0.9
 END = 1.1
 
 JUMP = 1e-2
-"""A velocity jump at the interface that is no remnant of the start: stable runs have 4e-3 or less, unstable ones above 0.3."""
+"""A velocity jump that is no remnant of the start: Table 1's stable runs have 4e-3 or less, unstable ones above 1."""
 
 LAST_PART = 0.2
 
@@ -61,17 +67,17 @@ class Cause(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """One run: condition, solid, gas (uniform states), and the fastest wave that limits dt besides those on the grid."""
+    """One run: condition, solid, gas (uniform states), and a wave speed that limits dt besides those on the grid."""
 
     condition: Condition
     solid: Solid
-    fluid: Gas = gas()
+    fluid: Gas = field(default_factory=gas)
     fastest: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """How a run ended: the time reached, steps, largest velocity jump of the last fifth, the interface's last velocity."""
+    """How a run ended: time, steps, largest velocity jump in the last fifth, the interface's last velocity."""
 
     run: Run
     cause: Cause
@@ -88,8 +94,9 @@ class Outcome:
 class Coupled:
     """The state of a batch of runs and its advance by one step.
 
-    velocity, stress : the solid, (runs, cells), the interface at the last cell; fluid : conserved, (3, runs, cells), at the first.
-    position : x of the cell centres, (runs, 2 cells): the solid's move with their own velocity, the gas's with s.
+    velocity, stress : the solid, (runs, cells), the interface at the last cell; fluid : conserved, (3, runs, cells),
+    at the first. position : x of the cell centres, (runs, 2 cells): the solid's move with their own velocity, the
+    gas's with s.
     """
 
     def __init__(self, runs: Sequence[Run], cells: int = CELLS, cfl: float = CFL) -> None:
@@ -109,7 +116,16 @@ class Coupled:
     def keep(self, wanted: NDArray[np.bool_]) -> None:
         """Drop the other runs from the batch."""
         self.runs = [run for run, stays in zip(self.runs, wanted, strict=True) if stays]
-        for name in ("impedance", "solid_speed", "fastest", "velocity", "stress", "position", "time", "interface_velocity"):
+        for name in (
+            "impedance",
+            "solid_speed",
+            "fastest",
+            "velocity",
+            "stress",
+            "position",
+            "time",
+            "interface_velocity",
+        ):
             setattr(self, name, getattr(self, name)[wanted])
         self.fluid = self.fluid[:, wanted]
 
@@ -118,11 +134,13 @@ class Coupled:
         return np.asarray(self.velocity[:, -1] - self.fluid[1, :, 0] / self.fluid[0, :, 0])
 
     def step(self, end: float) -> NDArray[np.bool_]:
-        """Advance every run by its dt, or to `end`; which runs have kept positive pressures. The others are left as they were."""
+        """Advance every run by its dt, or to `end`; True where pressures stay positive, the others are unchanged."""
         now = primitive(self.fluid)
         solid_ghost, s, stress = self._interface(now)
         sound = now.sound_speed()
-        speeds = np.maximum(np.maximum(self.solid_speed, self.fastest), (np.abs(now.velocity - s[:, None]) + sound).max(axis=1))
+        speeds = np.maximum(
+            np.maximum(self.solid_speed, self.fastest), (np.abs(now.velocity - s[:, None]) + sound).max(axis=1)
+        )
         dt = np.minimum(self.cfl * self.dx / speeds, end - self.time)
         good = stress < 0  # without pressure in the ghost there is no Riemann problem
         pressure = np.where(good, -stress, 1.0)
@@ -159,7 +177,7 @@ class Coupled:
         return self.fluid - (dt / self.dx)[:, None] * np.diff(moving_flux(faces, s[:, None]), axis=2)
 
     def _solid_advanced(self, ghost_velocity: Array, ghost_stress: Array, dt: Array) -> tuple[Array, Array]:
-        """Godunov's scheme of a linear system is upwinding: u and sigma at a face from a of its right, b of its left."""
+        """Godunov's scheme of a linear system is upwinding: a face takes a from its right and b from its left."""
         u = np.concatenate([self.velocity[:, :1], self.velocity, ghost_velocity[:, None]], axis=1)
         sigma = np.concatenate([self.stress[:, :1], self.stress, ghost_stress[:, None]], axis=1)
         z = self.impedance
@@ -211,7 +229,7 @@ def _outcome(batch: Coupled, row: int, good: bool, jump: float, end: float) -> O
 
 @dataclass(frozen=True, slots=True)
 class Profile:
-    """Velocity and stress (minus the pressure) over the physical coordinate x at one time: both sides, shapes (cells,)."""
+    """(x, u, sigma) of both sides at one time, x the physical coordinate, sigma = -p in the gas; shapes (cells,)."""
 
     time: float
     solid: tuple[Array, Array, Array]

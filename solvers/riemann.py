@@ -1,10 +1,13 @@
-"""The exact Riemann solver of an ideal gas, over arrays: E. F. Toro, Riemann Solvers and Numerical Methods for Fluid Dynamics, ch. 4.
+"""The exact Riemann solver of an ideal gas, over arrays.
 
-The pressure p between the waves solves f(p) = f_L(p) + f_R(p) + u_R - u_L = 0, where f_K is the change of velocity across the wave
-on side K: a shock for p > p_K (Rankine and Hugoniot), a rarefaction otherwise (Riemann's invariant). f is increasing and
-concave, so Newton's method climbs to the root monotonely from any point below it, and from above it lands below after one
-step. No starting guess can fail and no iterate needs damping, only to be held above a lower bound of the root:
-min(p_L, p_R) or max(p_L, p_R), whichever the sign of f there allows. Two rarefactions have a closed form, vacuum included.
+Toro, Riemann Solvers and Numerical Methods for Fluid Dynamics, 3rd ed., chapter 4.
+
+The pressure p between the waves solves f(p) = f_L(p) + f_R(p) + u_R - u_L = 0, where f_K is the change of velocity
+across the wave on side K: a shock for p > p_K (Rankine and Hugoniot), a rarefaction otherwise (Riemann's invariant).
+f is increasing and concave, so Newton's method climbs to the root monotonely from any point below it, and from above
+it lands below after one step. No starting guess can fail and no iterate needs damping, only to be held above a lower
+bound of the root: min(p_L, p_R) or max(p_L, p_R), whichever the sign of f there allows. Two rarefactions have a
+closed form, vacuum included.
 """
 
 from __future__ import annotations
@@ -37,7 +40,7 @@ class Gas(NamedTuple):
 
 
 class Star(NamedTuple):
-    """Pressure and velocity between the two waves; where there is vacuum, zero and the mean of the vacuum's two edges."""
+    """Pressure and velocity between the two waves; at vacuum, zero and the mean of the vacuum's two edges."""
 
     pressure: Array
     velocity: Array

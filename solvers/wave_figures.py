@@ -1,12 +1,13 @@
-"""The experiments of Section 4 of Banks & Sjögreen as data: Figures 4 to 9, each line with its predicted growth per step.
+"""The experiments of Section 4 of Banks & Sjögreen as data: Figures 4 to 9, each line with its predicted growth.
 
-alpha = kappa_R/kappa_L = rho_R/rho_L. The text prints its inverse throughout, but its own first-order determinant has the roots
-r = 1/2 +- (i/2) sqrt(kappa_R/kappa_L), and only alpha = the number printed gives the growth that the text and its figures report: at
-a ratio of 0.25 under the fully second order scheme the inverse, alpha = 4, ends at 1e12 on the coarsest grid, where Figure 9 has
-a converging error. So each ratio printed as rho_L/rho_R is taken here as alpha.
+alpha = kappa_R/kappa_L = rho_R/rho_L. The text prints its inverse throughout, but its own first-order determinant has
+the roots r = 1/2 +- (i/2) sqrt(kappa_R/kappa_L), and only alpha = the number printed gives the growth that the text
+and its figures report: at a ratio of 0.25 under the fully second order scheme the inverse, alpha = 4, ends at 1e12 on
+the coarsest grid, where Figure 9 has a converging error. So each ratio printed as rho_L/rho_R is taken here as alpha.
 
-What else differs from print: Section 4 gives Figure 8's moduli in the wrong order (the unstable line has 1.0104), and the traditional
-condition at the ratio 1e10 passes 1e8 at step 3 in stress and step 4 in velocity, not at step 2 (rho_L = 1, c = sqrt(3)).
+What else differs from print: Section 4 gives Figure 8's moduli in the wrong order (the unstable line has 1.0104), and
+the traditional condition at the ratio 1e10 passes 1e8 at step 3 in stress and step 4 in velocity, not at step 2
+(rho_L = 1, c = sqrt(3)).
 """
 
 from __future__ import annotations
@@ -45,8 +46,9 @@ SETTLED = 1.5
 class Line:
     """One line of a figure.
 
-    predicted : modulus of the largest admissible mode, None where there is none; growth : observed in the velocity error.
-    root : modulus of the largest root of the characteristic polynomial, admissible or not: the paper's black lines. A root
+    predicted : modulus of the largest admissible mode, None where there is none; growth : observed in the velocity
+    error. root : modulus of the largest root of the characteristic polynomial, admissible or not: the paper's black
+    lines. A root
         whose mode grows away from the interface is no mode of the half-line, but a grid of finite length holds it, and
         decays as it does once all waves have left. None for wide stencils, whose polynomial has foreign roots as well.
     printed : what the text prints for the modulus, None where nothing.

@@ -4,18 +4,19 @@ On each side u_t = sigma_x/rho, sigma_t = kappa u_x, kappa = rho c**2. With
 
     a = (u/c + sigma/kappa)/2,  b = (-u/c + sigma/kappa)/2,  u = c (a - b),  sigma = kappa (a + b)
 
-the equations are a_t = c a_x and b_t = -c b_x: a runs to the left, b to the right. A pulse b = f(x) on the left meets the
-interface, where u and sigma are continuous and nothing comes from the right (a_R = 0). With the impedance Z = rho c,
+the equations are a_t = c a_x and b_t = -c b_x: a runs to the left, b to the right. A pulse b = f(x) on the left meets
+the interface, where u and sigma are continuous and nothing comes from the right (a_R = 0). With the
+impedance Z = rho c,
 
     a_L(0, t) = (Z_R - Z_L)/(Z_R + Z_L) f(-c_L t),    b_R(0, t) = (c_L/c_R) 2 Z_L/(Z_R + Z_L) f(-c_L t),
 
 and along the characteristics a_L(x, t) = a_L(0, t + x/c_L), b_R(x, t) = b_R(0, t - x/c_R).
 
-The printed solution departs from this in three places. For x < -c t it has f(-ct), a pulse that does not depend on x, where the
-characteristic through (x, t) carries f(x - ct). For -ct <= x < 0 its velocity has +2 f where u = c (a - b) has -2 f, so that its u
-jumps at the interface by 2 c f(-ct). And f is centred at +1/2, on the far side: nothing would meet the interface then, while the
-text's "latter stages of interacting" at t = 0.375 is a pulse from -1/2, which arrives at t = 0.5/sqrt(3) = 0.289. (4.2), for equal
-speeds, is right as printed.
+The printed solution departs from this in three places. For x < -c t it has f(-ct), a pulse that does not depend on x,
+where the characteristic through (x, t) carries f(x - ct). For -ct <= x < 0 its velocity has +2 f where u = c (a - b)
+has -2 f, so that its u jumps at the interface by 2 c f(-ct). And f is centred at +1/2, on the far side: nothing would
+meet the interface then, while the text's "latter stages of interacting" at t = 0.375 is a pulse from -1/2, which
+arrives at t = 0.5/sqrt(3) = 0.289. (4.2), for equal speeds, is right as printed.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """The leading term c p**e of a branch of a boundary curve, as the parameter tends to 0 or to infinity.
 
-Along a branch lam ~ c p**e the terms of the curve with the largest size balance: e is the slope of an edge of the Newton
-polygon of its exponents, c a positive root of the polynomial on that edge. The branch itself, exact at a parameter far out,
-tells which edge and which root.
+Along a branch lam ~ c p**e the terms of the curve with the largest size balance: e is the slope of an edge of the
+Newton polygon of its exponents, c a positive root of the polynomial on that edge. The branch itself, exact at a
+parameter far out, tells which edge and which root.
 """
 
 from __future__ import annotations
@@ -13,8 +13,9 @@ from fractions import Fraction
 from flint import arb, ctx, fmpq, fmpz_mpoly, fmpz_poly
 
 from gks.bounds.boundary import curve_at
-from gks.bounds.cells import Cell, ascending_roots
+from gks.bounds.cells import Cell
 from gks.bounds.closedform import number_form
+from gks.bounds.criticality import ascending_roots
 from gks.modes.algebraic import GUARD_BITS, START_BITS, Root
 from gks.scheme.expression import Expr, mul, number, power, sqrt, symbol
 
@@ -26,7 +27,8 @@ NEAR = Fraction(1, 100)
 
 
 def leading_term(curve: fmpz_mpoly, k: int, cell: Cell, end: str, name: str) -> Expr | None:
-    """c p**e for the k-th positive root over ``cell``, which reaches ``end`` ("0", "oo" or "-oo"); None without a formula.
+    """c p**e for the k-th positive root over ``cell``, which reaches ``end`` ("0", "oo" or "-oo"); None without a
+    formula.
 
     Exponents other than whole and half ones, and an end at -oo, have no formula here.
     """

@@ -29,10 +29,11 @@ from gks.errors import InputError
 from gks.modes.algebraic import Root
 from gks.modes.cauchy import degree_in
 from gks.modes.cauchy_set import CauchySet, cauchy_set
-from gks.modes.characteristic import Field, unit_lines
+from gks.modes.characteristic import unit_lines
 from gks.modes.coefficients import Coefficients
 from gks.modes.doubledouble import UNIT, Array, Real
 from gks.modes.fibre import coefficients as powers_of
+from gks.modes.field import Field
 from gks.modes.interior import amplification, field_symbol
 from gks.modes.kreiss import NormalModeProblem, normal_mode_problem
 from gks.modes.numerals import to_double
@@ -100,9 +101,11 @@ def _at_some_point(
 
 
 def _applies(problem: NormalModeProblem) -> bool:
-    """One clock, all spatial sheets on the decaying side, and nothing irrational in the coefficients."""
+    """One clock, separate fields, all spatial sheets on the decaying side, nothing irrational in the coefficients."""
     method = problem.resolvent.integrator
     if problem.variable != "s" or method is None or method.kind == "exact" or problem.coefficients.generators:
+        return False
+    if problem.coupled:
         return False
     return all(family.decaying in (0, family.degree) for family in problem.families)
 

@@ -5,7 +5,8 @@ With both symbolic, every reason for which a verdict changes is a polynomial in 
 - a normal mode reaches the unit circle, or comes in from infinity (``modes.critical``);
 - the spatial roots of a mode on the circle meet the circle or each other, so that what was inadmissible may become
   admissible: the resultant of a growth factor with the loci where that happens to the interior's symbol;
-- the interior's own picture on abs(kappa) = 1 changes (the curves of ``modes.cauchy_set``, with p as one more variable);
+- the interior's own picture on abs(kappa) = 1 changes (the curves of ``modes.cauchy_set``, with p as one more
+  variable);
 - a formula divides by zero, or a wave speed vanishes.
 
 Off the zeros of all of them roots and their spatial parts move continuously without meeting the circle, so the verdict
@@ -21,7 +22,7 @@ from itertools import combinations
 
 from flint import Ordering, fmpz_mpoly, fmpz_mpoly_ctx, fmpz_poly
 
-from gks.errors import NotAnalysable
+from gks.errors import InputError, NotAnalysable
 from gks.modes.algebraic import primitive
 from gks.modes.amplification import under_multistep
 from gks.modes.cauchy import Factors, cuts_of, degree_in, factored, reciprocal_in
@@ -56,15 +57,35 @@ def boundary(scheme: Scheme, values: Mapping[str, Fraction], parameter: str) -> 
     The sample settles the signs of wave speeds: the curves hold where these signs do. NotAnalysable where a square root
     of a free parameter remains; what the elimination raises.
     """
-    problem = _in_z(normal_mode_problem(scheme, values, (parameter, scheme.cfl)))
-    if any(generator.root is None for generator in problem.coefficients.generators):
+    symbols = (parameter, scheme.cfl)
+    try:
+        problem = _in_z(normal_mode_problem(scheme, values, symbols))
+    except InputError:
+        if _takes_root(scheme, Coefficients(values, symbols)):
+            raise NotAnalysable(f"a square root of {parameter} or {scheme.cfl} is in the equations") from None
+        raise
+    if _holds_root(problem):
         raise NotAnalysable(f"a square root of {parameter} or {scheme.cfl} remains in the equations")
     found = [*_closure(problem), *_interior(problem), *_poles(scheme, problem.coefficients), *_speeds(problem)]
     return _sorted(_in_plane(problem, parameter, each) for each in found)
 
 
+def _takes_root(scheme: Scheme, coefficients: Coefficients) -> bool:
+    for expression in _expressions(scheme):
+        expression.fold(coefficients)
+    return any(generator.root is None for generator in coefficients.generators)
+
+
+def _holds_root(problem: NormalModeProblem) -> bool:
+    names = [generator.name for generator in problem.coefficients.generators if generator.root is None]
+    polynomials = [f.polynomial for f in problem.families] + [t.coefficient for row in problem.rows for t in row]
+    return any(degree_in(polynomial, name) for polynomial in polynomials for name in names)
+
+
 def _in_z(problem: NormalModeProblem) -> NormalModeProblem:
-    """With exact time the Cayley map z = (1 + s)/(1 - s) puts the half-planes of s in the place of the disk's two sides."""
+    """With exact time the Cayley map z = (1 + s)/(1 - s) puts the half-planes of s in the place of the disk's two
+    sides.
+    """
     method = problem.resolvent.integrator
     if method is None or method.kind != "exact":
         return problem
@@ -116,9 +137,9 @@ def _closure(problem: NormalModeProblem) -> Iterator[fmpz_mpoly]:
 def _unimodular_loci(problem: NormalModeProblem) -> list[fmpz_mpoly]:
     """Where a unimodular z has a unimodular spatial root; of nondissipative factors, where two of these meet.
 
-    Dissipative factors have such a pair at z = 1 or -1, where the growth factors have curves of their own. An irreducible
-    locus that has a unimodular z over an open set of (p, lam) is its own reciprocal; others meet the circle on the interior's
-    curves.
+    Dissipative factors have such a pair at z = 1 or -1, where the growth factors have curves of their own. An
+    irreducible locus that has a unimodular z over an open set of (p, lam) is its own reciprocal; others meet the
+    circle on the interior's curves.
     """
     loci: list[fmpz_mpoly] = []
     for family in problem.families:
@@ -144,8 +165,8 @@ def _unimodular_loci(problem: NormalModeProblem) -> list[fmpz_mpoly]:
 def _touching(factors: Factors) -> Iterator[fmpz_mpoly]:
     """The unimodular x at which a Cauchy-stable scheme may have a unimodular z over an open set of (p, lam).
 
-    The modulus of z touches 1 there from below: as a function of x + 1/x the resultant of the symbol with its mirror image
-    has a zero of even order, but for x = 1 and -1.
+    The modulus of z touches 1 there from below: as a function of x + 1/x the resultant of the symbol with its mirror
+    image has a zero of even order, but for x = 1 and -1.
     """
     for cut in cuts_of(factors):
         for spot, order in irreducible_factors(norm(factors.point, cut)) if not cut.is_zero() else ():
@@ -225,7 +246,7 @@ def _at_ends(curve: fmpz_mpoly, kappa: str) -> Iterator[fmpz_mpoly]:
             yield value
 
 
-# The formulas ---------------------------------------------------------------------------------------------------------
+# The formulas -------------------------------------------------------------------------------------------------------
 
 
 class _Divisors:

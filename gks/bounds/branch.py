@@ -25,7 +25,9 @@ Terms = Mapping[tuple[int, int], int]
 """A polynomial: exponents of p and lam -> coefficient."""
 
 SAFE_BITS = 900
-"""Sizes in between 2**-900 and 2**900 neither over- nor underflow in double-double arithmetic; others are left to exact roots."""
+"""Sizes in between 2**-900 and 2**900 neither over- nor underflow in double-double arithmetic; others are left to
+exact roots.
+"""
 
 ACCURACY = 2.0**-50
 """Relative radius up to which a double-double disk gives its double: a few units in the last place, below 1e-15."""
@@ -35,7 +37,7 @@ ROUNDING_BITS = 80
 
 
 def branch_values(curve: Terms, k: int, p: Sequence[float] | NDArray[np.float64]) -> Array:
-    """The k-th positive root in lam at each p, to 1e-15 relative; nan where p is nan, or where there are fewer roots."""
+    """The k-th positive root in lam at each p, to 1e-15 relative; nan where p is, or where there are fewer roots."""
     points = np.asarray(p, dtype=float)
     degree = max(power for _, power in curve)
     result = np.full(points.shape, np.nan)

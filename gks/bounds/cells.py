@@ -1,42 +1,50 @@
 """The parameter axis cut into cells in which the stable set of a scheme has one description.
 
-The boundary curves of ``boundary`` are, over an open interval of p in which none of them meets another or itself, lam = 0
-or lam = infinity, graphs of continuous functions that keep their order: the k-th positive root in lam. Between
-neighbouring graphs the verdict is constant. So one exact stable set at a rational p describes the whole cell, each of its
-ends being the k-th positive root of one curve.
+The boundary curves of ``boundary`` are, over an open interval of p in which none of them meets another or itself, lam
+= 0 or lam = infinity, graphs of continuous functions that keep their order: the k-th positive root in lam. Between
+neighbouring graphs the verdict is constant. So one exact stable set at a rational p describes the whole cell, each of
+its ends being the k-th positive root of one curve.
 
-*On a cut* p0 that no curve contains, every (p0, lam) off the curves has a neighbourhood of one verdict, so that the stable
-set is the limit of those of either side, up to finitely many lam. These are the points where curves meet; only a meeting
-point between two stable stretches is of interest, and there an exact verdict decides. On a wall (a curve p = p0) nothing
-follows from the sides: an exact stable set decides.
+*On a cut* p0 that no curve contains, every (p0, lam) off the curves has a neighbourhood of one verdict, so that the
+stable set is the limit of those of either side, up to finitely many lam. These are the points where curves meet; only a
+meeting point between two stable stretches is of interest, and there an exact verdict decides. On a wall (a curve
+p = p0) nothing follows from the sides: an exact stable set decides.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from fractions import Fraction
-from itertools import combinations, pairwise
+from itertools import pairwise
 
-from flint import acb, arb, ctx, fmpq, fmpz_mpoly, fmpz_poly
+from flint import ctx, fmpz_mpoly, fmpz_poly
 
-from gks.bounds.boundary import PLANE, Boundary, boundary, curve_at, in_parameter
+from gks.bounds.boundary import Boundary, boundary, curve_at
 from gks.bounds.cfl import Limit, StableSet, stable_set
+from gks.bounds.criticality import (
+    Critical,
+    Report,
+    ascending_roots,
+    between,
+    critical_parameters,
+    distinct,
+    gates,
+    hull,
+    key_of,
+    shown,
+)
 from gks.bounds.meeting import meeting_points
 from gks.errors import GksError, InputError
 from gks.modes.algebraic import GUARD_BITS, START_BITS, Root, isolated_roots, primitive
 from gks.modes.analysis import quick_verdict
 from gks.modes.cauchy import degree_in
-from gks.modes.critical import positive_roots
 from gks.modes.fibre import at_balls, fibre, specialise, univariate
 from gks.modes.interior import interior_stability
 from gks.modes.kreiss import normal_mode_problem
-from gks.modes.unimodular import by_real_part, rational_ends, simplest_between
+from gks.modes.unimodular import by_real_part, rational_ends
 from gks.modes.verdict import Verdict
 from gks.scheme.model import Scheme
-
-Report = Callable[[str], None]
-"""Told the stage reached, for whoever waits."""
 
 MEETING_BITS = 1 << 13
 """Precision at which telling a meeting point from its neighbours is given up."""
@@ -60,6 +68,8 @@ End = Branch | Root | None
 
 @dataclass(frozen=True, slots=True)
 class Span:
+    """An open interval of stable lam."""
+
     low: End
     high: End
 
@@ -94,14 +104,6 @@ class Decomposition:
     cuts: tuple[Cut, ...]
 
 
-@dataclass(slots=True)
-class _Critical:
-    """A root of one irreducible polynomial in p: whether a curve contains it, and the pairs of curves that meet there."""
-
-    wall: bool = False
-    pairs: set[tuple[int, int]] = field(default_factory=set)
-
-
 def decompose(
     scheme: Scheme,
     values: Mapping[str, Fraction],
@@ -110,7 +112,9 @@ def decompose(
     high: Fraction | None,
     report: Report,
 ) -> Decomposition:
-    """The cells of ``parameter`` over (low, high) (None: infinite). Raises NotProved, and InputError as the analyses do."""
+    """The cells of ``parameter`` over (low, high) (None: infinite). Raises NotProved, and InputError as the analyses
+    do.
+    """
     return _Decomposer(scheme, values, parameter, low, high, report).run()
 
 
@@ -150,7 +154,7 @@ class _Decomposer:
         exact = p.rational if isinstance(p, Root) else p
         return {**self.values, self.parameter: p if exact is None else exact}
 
-    # Curves -----------------------------------------------------------------------------------------------------------
+    # Curves ---------------------------------------------------------------------------------------------------------
 
     def _whole_boundary(self) -> Boundary:
         """The curves for every combination of signs that the wave speeds take over the domain.
@@ -159,7 +163,7 @@ class _Decomposer:
         """
         self.report("boundary curves")
         first = self._boundary(between(self.low, self.high))
-        places = by_real_part([root for root, _ in self._inside([_key(wall) for wall in first.walls])])
+        places = by_real_part([root for root, _ in self._inside([key_of(wall) for wall in first.walls])])
         curves = {str(curve): curve for curve in first.curves}
         walls = {str(wall): wall for wall in first.walls}
         for low, high in pairwise([self.low, *places, self.high]) if places else ():
@@ -180,7 +184,7 @@ class _Decomposer:
                     found.append((root, key))
         return found
 
-    # Cells ------------------------------------------------------------------------------------------------------------
+    # Cells ----------------------------------------------------------------------------------------------------------
 
     def _cell(self, low: Root | None, high: Root | None) -> Cell:
         sample = between(low, high)
@@ -220,9 +224,9 @@ class _Decomposer:
                 return True
         return False
 
-    # Cuts -------------------------------------------------------------------------------------------------------------
+    # Cuts -----------------------------------------------------------------------------------------------------------
 
-    def _cut(self, root: Root, cause: _Critical, left: Cell, right: Cell) -> Cut:
+    def _cut(self, root: Root, cause: Critical, left: Cell, right: Cell) -> Cut:
         if not cause.wall:
             isolated = [lam for lam in self._meetings_inside(root, cause, left) if self._unstable(root, lam)]
             if not isolated:
@@ -243,7 +247,7 @@ class _Decomposer:
             raise NotProved(f"{self.parameter} = {shown(root)}, {self.scheme.cfl} = {shown(lam)} is undecided")
         return verdict is not Verdict.STABLE
 
-    def _meetings_inside(self, root: Root, cause: _Critical, left: Cell) -> Iterator[Root]:
+    def _meetings_inside(self, root: Root, cause: Critical, left: Cell) -> Iterator[Root]:
         """The meeting points with stable lam on either side, next to them on the cut."""
         points = meeting_points(self.boundary.curves, root, sorted(cause.pairs))
         for lam, multiplicity in points.items():
@@ -269,10 +273,10 @@ class _Decomposer:
             with ctx.workprec(bits + GUARD_BITS):
                 below, above = rational_ends(lam.ball(bits // 2).real)
                 below, above = below - (above - below), above + (above - below)
-                box = {"p": root.ball(bits), "lam": _hull(below, above)}
+                box = {"p": root.ball(bits), "lam": hull(below, above)}
                 if below == above:
                     below, above = (below * (1 + Fraction(sign, 1 << (bits // 2))) for sign in (-1, 1))
-                    box["lam"] = _hull(below, above)
+                    box["lam"] = hull(below, above)
                 if not any(at_balls(each, box).contains(0) for each in derivatives):
                     return below, above
             bits *= 2
@@ -281,7 +285,7 @@ class _Decomposer:
     def beside(self, cell: Cell, root: Root, walls: Sequence[fmpz_mpoly]) -> Fraction:
         """A p of the cell so close to its end ``root`` that no zero of the polynomials in p lies between."""
         mine = [univariate(w, "p") for w in walls if not w.is_zero() and degree_in(w, "p")]
-        factors = {_key(primitive(f)): primitive(f) for w in mine for f, _ in w.factor()[1]}
+        factors = {key_of(primitive(f)): primitive(f) for w in mine for f, _ in w.factor()[1]}
         zeros = [r for f in factors.values() for r in isolated_roots(f, is_square_free=True) if r.is_real]
         if cell.high is root:
             below = [z for z in zeros if z < root and (cell.low is None or cell.low < z)]
@@ -290,7 +294,9 @@ class _Decomposer:
         return between(root, min(above) if above else cell.high)
 
     def limit(self, cell: Cell, root: Root) -> list[tuple[Root | None, Root | None]]:
-        """The stable intervals over the cell as p tends to its end ``root``; those that shrink to a point are left out."""
+        """The stable intervals over the cell as p tends to its end ``root``; those that shrink to a point are left
+        out.
+        """
         limits = []
         for span in cell.spans:
             low = None if span.low is None else self.limit_of(cell, span.low, root)
@@ -305,13 +311,13 @@ class _Decomposer:
         assert isinstance(branch, Branch)
         curve = self.boundary.curves[branch.curve]
         ends = by_real_part(
-            _distinct(r.root for r in fibre({"p": root}, curve, "lam") if r.root.is_real and r.root.ball().real > 0)
+            distinct(r.root for r in fibre({"p": root}, curve, "lam") if r.root.is_real and r.root.ball().real > 0)
         )
-        gates = _gates(ends)
-        p = self.beside(cell, root, [specialise(curve, {"lam": gate}) for gate in gates])
+        walls = gates(ends)
+        p = self.beside(cell, root, [specialise(curve, {"lam": gate}) for gate in walls])
         here = value_of(self.boundary, branch, p)
-        place = sum(Root.of(gate) < here for gate in gates)
-        return 0 if place == 0 else "oo" if place == len(gates) else ends[place - 1]
+        place = sum(Root.of(gate) < here for gate in walls)
+        return 0 if place == 0 else "oo" if place == len(walls) else ends[place - 1]
 
 
 def value_of(found: Boundary, end: Branch | Root, p: Fraction) -> Root:
@@ -330,100 +336,3 @@ def verdict_at(scheme: Scheme, values: Mapping[str, Fraction | Root]) -> Verdict
         return quick_verdict(scheme, exact)
     except InputError:
         return Verdict.UNSTABLE
-
-
-# Criticality ---------------------------------------------------------------------------------------------------------
-
-
-def critical_parameters(found: Boundary, report: Report) -> dict[tuple[int, ...], _Critical]:
-    """Irreducible polynomials in p, by their coefficients, off whose roots the curves are disjoint graphs over p."""
-    critical: dict[tuple[int, ...], _Critical] = {_key(wall): _Critical(wall=True) for wall in found.walls}
-
-    def add(poly: fmpz_poly, pair: tuple[int, int] | None) -> None:
-        for factor, _ in poly.factor()[1]:
-            entry = critical.setdefault(_key(primitive(factor)), _Critical())
-            if pair is not None:
-                entry.pairs.add(pair)
-
-    for index, curve in enumerate(found.curves):
-        report(f"discriminant {index + 1} of {len(found.curves)}")
-        parts = in_parameter(curve)
-        add(parts[-1], None)
-        add(parts[0], None)
-        if len(parts) > 2:
-            add(univariate(curve.discriminant("lam"), "p"), (index, index))
-    for (i, one), (j, other) in combinations(enumerate(found.curves), 2):
-        report(f"resultant of curves {i + 1} and {j + 1} of {len(found.curves)}")
-        add(univariate(one.resultant(other, "lam"), "p"), (i, j))
-    return critical
-
-
-def _key(poly: fmpz_poly) -> tuple[int, ...]:
-    return tuple(int(c) for c in list(poly))
-
-
-# Numbers -------------------------------------------------------------------------------------------------------------
-
-
-def ascending_roots(poly: fmpz_poly) -> list[Root]:
-    """The distinct positive roots, ascending, each over its irreducible polynomial."""
-    return by_real_part(positive_roots([poly]))
-
-
-def _distinct(roots: Iterator[Root]) -> list[Root]:
-    return list(dict.fromkeys(root.minimal for root in roots))
-
-
-def _gates(ends: Sequence[Root]) -> list[Fraction]:
-    """Rationals below, between and above ascending positive numbers."""
-    if not ends:
-        return [Fraction(1)]
-    return [between(low, high) for low, high in pairwise([Root.of(0), *ends, None])]
-
-
-def between(low: Root | None, high: Root | None) -> Fraction:
-    """The rational of least denominator in an open interval (the integer nearest 0 if there is one); None is infinite."""
-    bits = START_BITS
-    while True:
-        with ctx.workprec(bits + GUARD_BITS):
-            bottom, top = _ends(low, bits), _ends(high, bits)
-        inner = None if bottom is None else bottom[1], None if top is None else top[0]
-        outer = None if bottom is None else bottom[0], None if top is None else top[1]
-        if inner[0] is None or inner[1] is None or inner[0] < inner[1]:
-            answer = _simplest(*inner)
-            if answer == _simplest(*outer):  # else an enclosure is too wide to tell
-                return answer
-        bits *= 2
-
-
-def _ends(root: Root | None, bits: int) -> tuple[Fraction, Fraction] | None:
-    if root is None:
-        return None
-    exact = root.rational
-    return rational_ends(root.ball(bits).real) if exact is None else (exact, exact)
-
-
-def _simplest(low: Fraction | None, high: Fraction | None) -> Fraction:
-    if (low is None or low < 0) and (high is None or high > 0):
-        return Fraction(0)
-    if low is not None and low >= 0:
-        return simplest_between(low, high)
-    assert high is not None
-    return -simplest_between(-high, None if low is None else -low)
-
-
-def _hull(low: Fraction, high: Fraction) -> acb:
-    ends = [arb(fmpq(e.numerator, e.denominator)) for e in (low, high)]
-    return acb(ends[0].union(ends[1]))
-
-
-def shown(value: Fraction | Root) -> str:
-    """A number for a message."""
-    exact = value if isinstance(value, Fraction) else value.rational
-    if exact is not None:
-        return str(exact)
-    assert isinstance(value, Root)
-    return str(value.ball().real.str(12, radius=False))
-
-
-__all__ = ["PLANE", "Branch", "Cell", "Cut", "Decomposition", "NotProved", "Span", "decompose"]

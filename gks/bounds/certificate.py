@@ -30,24 +30,30 @@ def certificate(
     """For a theorem over a parameter."""
     name, lam = theorem.parameter, theorem.scheme.cfl
     assert name is not None
-    return _signed({
-        **_head(theorem, fixed),
-        "domain": ["-oo" if low is None else str(low), "oo" if high is None else str(high)],
-        "curves": [_text(curve, name, lam) for curve in found.boundary.curves],
-        "walls": [_text(embed(wall, PLANE, "p"), name, lam) for wall in found.boundary.walls],
-        "cells": [_cell(cell) for cell in found.cells],
-        "cuts": [_cut(cut, name, lam) for cut in found.cuts],
-        "pieces": [piece.to_json() for piece in theorem.pieces],
-    })
+    return _signed(
+        {
+            **_head(theorem, fixed),
+            "domain": ["-oo" if low is None else str(low), "oo" if high is None else str(high)],
+            "curves": [_text(curve, name, lam) for curve in found.boundary.curves],
+            "walls": [_text(embed(wall, PLANE, "p"), name, lam) for wall in found.boundary.walls],
+            "cells": [_cell(cell) for cell in found.cells],
+            "cuts": [_cut(cut, name, lam) for cut in found.cuts],
+            "pieces": [piece.to_json() for piece in theorem.pieces],
+        }
+    )
 
 
 def constant_certificate(theorem: Theorem, found: StableSet, fixed: Mapping[str, Fraction]) -> dict[str, object]:
     """For a stable set in lam alone."""
-    return _signed({
-        **_head(theorem, fixed),
-        "stable_set": [[_root(i.low, theorem.scheme.cfl), _root(i.high, theorem.scheme.cfl)] for i in found.intervals],
-        "pieces": [piece.to_json() for piece in theorem.pieces],
-    })
+    return _signed(
+        {
+            **_head(theorem, fixed),
+            "stable_set": [
+                [_root(i.low, theorem.scheme.cfl), _root(i.high, theorem.scheme.cfl)] for i in found.intervals
+            ],
+            "pieces": [piece.to_json() for piece in theorem.pieces],
+        }
+    )
 
 
 def _signed(content: dict[str, object]) -> dict[str, object]:

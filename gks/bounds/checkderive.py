@@ -1,8 +1,8 @@
 """The checker's own way from a scheme to its boundary curves.
 
 It goes by projectors of the flux where the prover uses eigenvectors, writes the determinant over all spatial roots by
-complete homogeneous polynomials, finds the pairs z_i z_j = 1 by Jury's inner determinant and works in its own ring. Only
-the reading of the scheme and the tables of operators and integrators are shared.
+complete homogeneous polynomials, finds the pairs z_i z_j = 1 by Jury's inner determinant and works in its own ring.
+Only the reading of the scheme and the tables of operators and integrators are shared.
 """
 
 from __future__ import annotations
@@ -10,99 +10,31 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import combinations
-from math import isqrt, prod
 
-from flint import Ordering, acb, acb_poly, ctx, fmpq, fmpz_mpoly, fmpz_mpoly_ctx
+from flint import acb, acb_poly, ctx, fmpq, fmpz_mpoly
 
 from gks.bounds.checkformula import Rejected
+from gks.bounds.checkring import (
+    GEN,
+    ONE,
+    ZERO,
+    Fr,
+    Unsupported,
+    Values,
+    constant,
+    degree,
+    determinant,
+    enclose,
+    factors,
+    parts_of,
+    put,
+)
 from gks.scheme.integrators import Integrator, integrator
 from gks.scheme.model import HalfLine, NamedLines, NamedScheme, Scheme, WrittenDiscrete, WrittenLines
 from gks.scheme.operators import discrete_stencil, stencil
 
-MOST_ROOTS = 6
-RING = fmpz_mpoly_ctx.get(("p", "lam", "s", "z", "x", *(f"k{i}" for i in range(MOST_ROOTS))), Ordering.lex)
-GEN = dict(zip(RING.names(), RING.gens(), strict=True))
-ONE, ZERO = RING.constant(1), RING.constant(0)
-
 COUNT_BITS = 200
 """Precision at which decaying roots are counted at a sample: they stand off the circle there."""
-
-
-class Unsupported(Exception):
-    """A scheme beyond this checker."""
-
-
-@dataclass(frozen=True, slots=True)
-class Fr:
-    """A rational function; the denominator is not zero."""
-
-    num: fmpz_mpoly
-    den: fmpz_mpoly
-
-    @staticmethod
-    def of(num: fmpz_mpoly, den: fmpz_mpoly = ONE) -> Fr:
-        if den.is_zero():
-            raise Unsupported("a formula divides by zero")
-        common = num.gcd(den)
-        return Fr(num / common, den / common)
-
-    def __add__(self, other: Fr) -> Fr:
-        return Fr.of(self.num * other.den + other.num * self.den, self.den * other.den)
-
-    def __sub__(self, other: Fr) -> Fr:
-        return self + Fr(-other.num, other.den)
-
-    def __mul__(self, other: Fr) -> Fr:
-        return Fr.of(self.num * other.num, self.den * other.den)
-
-    def __truediv__(self, other: Fr) -> Fr:
-        return Fr.of(self.num * other.den, self.den * other.num)
-
-    def __pow__(self, exponent: int) -> Fr:
-        return Fr(self.num**exponent, self.den**exponent) if exponent >= 0 else Fr.of(self.den**-exponent, self.num**-exponent)
-
-    @property
-    def zero(self) -> bool:
-        return bool(self.num.is_zero())
-
-
-def constant(value: Fraction | int) -> Fr:
-    exact = Fraction(value)
-    return Fr(RING.constant(exact.numerator), RING.constant(exact.denominator))
-
-
-class Values:
-    """The algebra of the scheme's formulas: p and lam stay symbols; divisors are recorded."""
-
-    def __init__(self, names: Mapping[str, Fr]) -> None:
-        self.names = names
-        self.divisors: list[fmpz_mpoly] = []
-
-    def number(self, value: Fraction) -> Fr:
-        return constant(value)
-
-    def symbol(self, name: str) -> Fr:
-        return self.names[name]
-
-    def add(self, terms: Sequence[Fr]) -> Fr:
-        return sum(terms, constant(0))
-
-    def mul(self, factors: Sequence[Fr]) -> Fr:
-        return prod(factors, start=constant(1))
-
-    def power(self, base: Fr, exponent: int) -> Fr:
-        if exponent < 0:
-            self.divisors.append(base.num)
-        return base**exponent
-
-    def sqrt(self, radicand: Fr) -> Fr:
-        parts = [radicand.num, radicand.den]
-        if all(part.is_constant() for part in parts):
-            numbers = [int(part.leading_coefficient()) if not part.is_zero() else 0 for part in parts]
-            if all(isqrt(abs(n)) ** 2 == n for n in numbers):
-                return constant(Fraction(isqrt(numbers[0]), isqrt(numbers[1])))
-        raise Unsupported("irrational numbers")
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,6 +57,8 @@ class Family:
 
 @dataclass(frozen=True, slots=True)
 class Block:
+    """A scalar with its family and the roots 0 that stand for ghosts it never reads."""
+
     scalar: Scalar
     family: int
     zeros: int
@@ -146,54 +80,7 @@ class Problem:
     """Divisors and wave speeds: polynomials in p and lam whose zeros the description does not cross."""
 
 
-def degree(polynomial: fmpz_mpoly, name: str) -> int:
-    return max(0, int(polynomial.degrees()[RING.variable_to_index(name)]))
-
-
-def parts_of(polynomial: fmpz_mpoly, name: str) -> list[fmpz_mpoly]:
-    """Coefficients of name**0, name**1, ..."""
-    k = RING.variable_to_index(name)
-    parts: list[dict[tuple[int, ...], int]] = [{} for _ in range(degree(polynomial, name) + 1)]
-    for powers, c in polynomial.to_dict().items():
-        parts[int(powers[k])][(*powers[:k], 0, *powers[k + 1 :])] = int(c)
-    return [RING.from_dict(part) for part in parts]
-
-
-def put(polynomial: fmpz_mpoly, name: str, value: Fraction) -> fmpz_mpoly:
-    """A rational put in for one variable, denominators cleared."""
-    parts = parts_of(polynomial, name)
-    top = len(parts) - 1
-    return sum((c * (value.numerator**k * value.denominator ** (top - k)) for k, c in enumerate(parts)), ZERO)
-
-
-def mirror(polynomial: fmpz_mpoly, *names: str) -> fmpz_mpoly:
-    """Each named variable replaced by its inverse, cleared."""
-    for name in names:
-        parts = parts_of(polynomial, name)
-        polynomial = sum((c * GEN[name] ** (len(parts) - 1 - k) for k, c in enumerate(parts)), ZERO)
-    return polynomial
-
-
-def factors(polynomial: fmpz_mpoly) -> list[tuple[fmpz_mpoly, int]]:
-    """Irreducible factors, leading coefficient positive."""
-    if polynomial.is_zero():
-        return []
-    return [(-f if f.leading_coefficient() < 0 else f, int(m)) for f, m in polynomial.factor()[1]]
-
-
-def enclose(polynomial: fmpz_mpoly, at: Mapping[str, acb]) -> acb:
-    total = acb(0)
-    names = RING.names()
-    for powers, c in polynomial.to_dict().items():
-        term = acb(int(c))
-        for name, power in zip(names, powers, strict=True):
-            if power:
-                term *= at[name] ** int(power)
-        total += term
-    return total
-
-
-# From the scheme to scalar problems -------------------------------------------------------------------------------------
+# From the scheme to scalar problems ---------------------------------------------------------------------------------
 
 
 def derive(scheme: Scheme, fixed: Mapping[str, Fraction], parameter: str | None, p: Fraction, lam: Fraction) -> Problem:
@@ -210,7 +97,9 @@ def derive(scheme: Scheme, fixed: Mapping[str, Fraction], parameter: str | None,
     lines = len(set(times.values())) == 1 and None not in times.values() and all(len(each) <= 1 for each in levels)
     method = integrator(next(t for t in times.values() if t is not None)) if lines else None
     variable = "s" if lines else "z"
-    clocks = {name: Fr(GEN["s"], ONE) if lines or time is None else _clock(integrator(time)) for name, time in times.items()}
+    clocks = {
+        name: Fr(GEN["s"], ONE) if lines or time is None else _clock(integrator(time)) for name, time in times.items()
+    }
     sample = {"p": p, "lam": lam}
     speeds: list[Fr] = []
     scalars = [each for h in scheme.domains for each in _scalars(h, values, clocks[h.name], sample, speeds)]
@@ -224,7 +113,9 @@ def derive(scheme: Scheme, fixed: Mapping[str, Fraction], parameter: str | None,
     time_map = None if method is None else _map(method)
     growth = {str(g): g for each in scalars for g in [_growth(each, time_map)]}
     structure = [*values.divisors, *(part for speed in speeds for part in (speed.num, speed.den))]
-    return Problem(variable, time_map, tuple(families), tuple(blocks), tuple(rows), tuple(growth.values()), tuple(structure))
+    return Problem(
+        variable, time_map, tuple(families), tuple(blocks), tuple(rows), tuple(growth.values()), tuple(structure)
+    )
 
 
 def _clock(method: Integrator) -> Fr:
@@ -232,7 +123,9 @@ def _clock(method: Integrator) -> Fr:
     if method.kind != "multistep":
         raise Unsupported("a Runge-Kutta method beside another clock")
     z = Fr(GEN["z"], ONE)
-    rho, sigma = (sum((constant(c) * z**k for k, c in enumerate(each)), constant(0)) for each in (method.rho, method.sigma))
+    rho, sigma = (
+        sum((constant(c) * z**k for k, c in enumerate(each)), constant(0)) for each in (method.rho, method.sigma)
+    )
     return rho / (Fr(GEN["lam"], ONE) * sigma)
 
 
@@ -250,7 +143,11 @@ def _mirrored(half_line: HalfLine, index: int) -> int:
 
 
 def _lowest(scheme: Scheme, half_line: HalfLine) -> int:
-    return min(half_line.first, *(_mirrored(half_line, v.index) for v in scheme.boundary_unknowns if v.domain == half_line.name), half_line.first)
+    return min(
+        half_line.first,
+        *(_mirrored(half_line, v.index) for v in scheme.boundary_unknowns if v.domain == half_line.name),
+        half_line.first,
+    )
 
 
 def _scalars(
@@ -290,7 +187,7 @@ def _point(sample: Mapping[str, Fraction]) -> dict[str, acb]:
 def _spectrum(flux: list[list[Fr]]) -> list[tuple[Fr, list[tuple[Fr, ...]]]]:
     """Eigenvalues with independent columns of their projectors prod (A - w')/(w - w')."""
     size = len(flux)
-    characteristic = _determinant([[(_diagonal(i, j) - flux[i][j]) for j in range(size)] for i in range(size)])
+    characteristic = determinant([[(_diagonal(i, j) - flux[i][j]) for j in range(size)] for i in range(size)])
     values = []
     for factor, multiplicity in factors(characteristic.num):
         parts = parts_of(factor, "x")
@@ -305,7 +202,10 @@ def _spectrum(flux: list[list[Fr]]) -> list[tuple[Fr, list[tuple[Fr, ...]]]]:
             if other != value:
                 shifted = [[flux[i][j] - (other if i == j else constant(0)) for j in range(size)] for i in range(size)]
                 projector = [
-                    [sum((projector[i][k] * shifted[k][j] for k in range(size)), constant(0)) / (value - other) for j in range(size)]
+                    [
+                        sum((projector[i][k] * shifted[k][j] for k in range(size)), constant(0)) / (value - other)
+                        for j in range(size)
+                    ]
                     for i in range(size)
                 ]
         columns = _independent([tuple(projector[i][j] for i in range(size)) for j in range(size)])
@@ -334,9 +234,11 @@ def _independent(columns: list[tuple[Fr, ...]]) -> list[tuple[Fr, ...]]:
     return chosen
 
 
-def _written(half_line: HalfLine, interior: WrittenDiscrete | WrittenLines, values: Values, clock: Fr) -> Iterator[Scalar]:
+def _written(
+    half_line: HalfLine, interior: WrittenDiscrete | WrittenLines, values: Values, clock: Fr
+) -> Iterator[Scalar]:
     size = len(half_line.unknowns)
-    for row, form in enumerate(interior.equations):
+    for form in interior.equations:
         unknowns = {v.unknown for v, _ in form.terms}
         if len(unknowns) != 1:
             raise Unsupported("a written interior that couples its unknowns")
@@ -348,7 +250,6 @@ def _written(half_line: HalfLine, interior: WrittenDiscrete | WrittenLines, valu
             weight = weight * (clock if value.derivative else Fr(GEN["z"], ONE) ** (value.level - lowest))
             j = _mirrored(half_line, value.index)
             symbol[j] = symbol.get(j, constant(0)) + weight
-        del row
         vector = tuple(constant(int(k == place)) for k in range(size))
         yield Scalar(half_line.name, vector, {j: c for j, c in symbol.items() if not c.zero})
 
@@ -368,7 +269,12 @@ def _growth(scalar: Scalar, time_map: fmpz_mpoly | None) -> fmpz_mpoly:
 
 
 def _block(
-    scheme: Scheme, scalar: Scalar, lowest: Mapping[str, int], families: list[Family], variable: str, sample: Mapping[str, Fraction]
+    scheme: Scheme,
+    scalar: Scalar,
+    lowest: Mapping[str, int],
+    families: list[Family],
+    variable: str,
+    sample: Mapping[str, Fraction],
 ) -> Block:
     half_line = scheme.half_line(scalar.domain)
     ghosts = half_line.first - lowest[scalar.domain] + min(scalar.symbol)
@@ -403,9 +309,17 @@ def _inside(factor: fmpz_mpoly, variable: str, sample: Mapping[str, Fraction]) -
         return sum(1 for root in roots if abs(root) < 1)
 
 
+Row = tuple[tuple[int, int, fmpz_mpoly], ...]
+
+
 def _rows(
-    scheme: Scheme, values: Values, clocks: Mapping[str, Fr], blocks: Sequence[Block], lowest: Mapping[str, int], lines: bool
-) -> list[tuple[tuple[int, int, fmpz_mpoly], ...]]:
+    scheme: Scheme,
+    values: Values,
+    clocks: Mapping[str, Fr],
+    blocks: Sequence[Block],
+    lowest: Mapping[str, int],
+    lines: bool,
+) -> list[Row]:
     rows = []
     for equation in scheme.closure.equations:
         base = min(v.level for v, _ in equation.form.terms)
@@ -423,14 +337,19 @@ def _rows(
                 if block.scalar.domain == value.domain:
                     row[k, n] = row.get((k, n), constant(0)) + weight * block.scalar.vector[component]
         rows.append(_cleared(row))
+    return rows + list(_pins(scheme, blocks, lowest))
+
+
+def _pins(scheme: Scheme, blocks: Sequence[Block], lowest: Mapping[str, int]) -> Iterator[Row]:
+    """Grid points that nothing reads, and only the common indexing of the unknowns brings in, are set to 0."""
     known = {(v.domain, v.unknown, v.index) for v in scheme.boundary_unknowns}
     for half_line in scheme.domains:
+        own = {k: b.scalar.vector for k, b in enumerate(blocks) if b.scalar.domain == half_line.name}
         for place in range(lowest[half_line.name], half_line.first):
             for component, unknown in enumerate(half_line.unknowns):
                 if (half_line.name, unknown, _mirrored(half_line, place)) not in known:
                     n = place - lowest[half_line.name]
-                    rows.append(_cleared({(k, n): b.scalar.vector[component] for k, b in enumerate(blocks) if b.scalar.domain == half_line.name}))
-    return rows
+                    yield _cleared({(k, n): vector[component] for k, vector in own.items()})
 
 
 def _cleared(row: Mapping[tuple[int, int], Fr]) -> tuple[tuple[int, int, fmpz_mpoly], ...]:
@@ -438,198 +357,3 @@ def _cleared(row: Mapping[tuple[int, int], Fr]) -> tuple[tuple[int, int, fmpz_mp
     for value in row.values():
         clear = clear * (value.den / clear.gcd(value.den))
     return tuple((k, n, v.num * (clear / v.den)) for (k, n), v in sorted(row.items(), key=lambda e: e[0]) if not v.zero)
-
-
-def _determinant(matrix: list[list[Fr]]) -> Fr:
-    if not matrix:
-        return constant(1)
-    total = constant(0)
-    for j, entry in enumerate(matrix[0]):
-        if not entry.zero:
-            minor = _determinant([[v for k, v in enumerate(row) if k != j] for row in matrix[1:]])
-            total = total + entry * minor * constant((-1) ** j)
-    return total
-
-
-# Elimination ------------------------------------------------------------------------------------------------------------
-
-
-def bases(roots: Sequence[fmpz_mpoly | acb], count: int, zero: object, one: object) -> list[list[object]]:
-    """Column j: complete homogeneous polynomials h_(n-j) of the first j + 1 roots, n < count."""
-    columns = []
-    for j in range(len(roots)):
-        # h_m(k_1..k_(j+1)) = sum_i k_(j+1)**i h_(m-i)(k_1..k_j), by its generating function.
-        series: list[object] = [one] + [zero] * count
-        for root in roots[: j + 1]:
-            for m in range(1, count + 1):
-                series[m] = series[m] + root * series[m - 1]  # type: ignore[operator]
-        columns.append([zero] * j + series[: max(count - j, 0)])
-    return [column[:count] for column in columns]
-
-
-def kreiss(problem: Problem, roots: Sequence[Sequence[object]], coefficient: object, zero: object, one: object) -> list[list[object]]:
-    """The closure applied to every column; ``roots`` of each block, zeros included."""
-    reach = [1 + max((n for row in problem.rows for k, n, _ in row if k == b), default=0) for b in range(len(problem.blocks))]
-    columns = [bases(mine, reach[b], zero, one) for b, mine in enumerate(roots)]  # type: ignore[arg-type]
-    matrix = []
-    for row in problem.rows:
-        line = []
-        for b, block in enumerate(columns):
-            for column in block:
-                total = zero
-                for k, n, c in row:
-                    if k == b:
-                        total = total + coefficient(c) * column[n]  # type: ignore[operator]
-                line.append(total)
-        matrix.append(line)
-    return matrix
-
-
-def characteristic(problem: Problem) -> tuple[list[fmpz_mpoly], list[fmpz_mpoly]]:
-    """Irreducible factors of the norm of Delta: those with sigma, and those in p and lam alone."""
-    carried: list[list[str]] = []
-    used = 0
-    for family in problem.families:
-        carried.append([f"k{used + j}" for j in range(family.decaying)])
-        used += family.decaying
-        if used > MOST_ROOTS:
-            raise Unsupported("too many spatial roots to eliminate")
-    roots = [[ZERO] * b.zeros + [GEN[name] for name in carried[b.family]] for b in problem.blocks]
-    matrix = kreiss(problem, roots, lambda c: c, ZERO, ONE)
-    norm = _determinant([[Fr(entry, ONE) for entry in row] for row in matrix]).num  # type: ignore[arg-type]
-    for names, family in zip(carried, problem.families, strict=True):
-        relations = []
-        rest = family.part
-        for name in names:
-            relations.append(_compose(rest, name))
-            rest = _divided(rest, name)
-        for name, relation in reversed(list(zip(names, relations, strict=True))):
-            common = norm.gcd(relation)
-            while degree(common, name):
-                norm = norm / common
-                common = norm.gcd(relation)
-            norm = norm.resultant(relation, name)
-            if norm.is_zero():
-                raise Rejected("the determinant of the closure vanishes identically")
-    found = [f for f, _ in factors(norm)]
-    return [f for f in found if degree(f, problem.variable)], [f for f in found if not degree(f, problem.variable)]
-
-
-def _compose(polynomial: fmpz_mpoly, name: str) -> fmpz_mpoly:
-    return sum((c * GEN[name] ** k for k, c in enumerate(parts_of(polynomial, "x"))), ZERO)
-
-
-def _divided(polynomial: fmpz_mpoly, name: str) -> fmpz_mpoly:
-    """(f(x) - f(k))/(x - k)."""
-    total = ZERO
-    for k, c in enumerate(parts_of(polynomial, "x")):
-        total += c * sum((GEN["x"] ** i * GEN[name] ** (k - 1 - i) for i in range(k)), ZERO)
-    return total
-
-
-# Curves ---------------------------------------------------------------------------------------------------------------
-
-
-def curves(problem: Problem) -> dict[str, fmpz_mpoly]:
-    """Irreducible polynomials in p and lam off whose zeros the verdict cannot change, but for constants and lam."""
-    found: dict[str, fmpz_mpoly] = {}
-    for polynomial in _all_curves(problem):
-        for factor, _ in factors(polynomial):
-            if not factor.is_constant() and factor != GEN["lam"]:
-                found.setdefault(str(factor), factor)
-    return found
-
-
-def in_z(problem: Problem, own: Sequence[fmpz_mpoly]) -> list[fmpz_mpoly]:
-    if problem.time_map is None:
-        return list(own)
-    return [g for f in own for g, _ in factors(f.resultant(problem.time_map, "s"))]
-
-
-def _all_curves(problem: Problem) -> Iterator[fmpz_mpoly]:
-    yield from problem.structure
-    own, idle = characteristic(problem)
-    yield from idle
-    growing = in_z(problem, own)
-    loci = list(_loci(problem))
-    for f in growing:
-        yield parts_of(f, "z")[-1]
-        if not degree(f, "z"):
-            continue
-        yield from (put(f, "z", Fraction(end)) for end in (1, -1))
-        if mirror(f, "z") in (f, -f):
-            if degree(f, "z") > 1:
-                yield f.discriminant("z")
-        else:
-            yield inner(f)
-        yield from (f.resultant(locus, "z") for locus in loci if locus != f)
-    for growth in problem.growth:
-        yield from _interior(growth)
-
-
-def inner(f: fmpz_mpoly) -> fmpz_mpoly:
-    """Jury's inner determinant: up to powers of the leading coefficient the product of 1 - z_i z_j over pairs."""
-    a = parts_of(f, "z")
-    size = len(a) - 2
-    matrix = [
-        [
-            Fr((a[-1 - (j - i)] if j >= i else ZERO) - (a[i + j - size + 1] if i + j >= size - 1 else ZERO), ONE)
-            for j in range(size)
-        ]
-        for i in range(size)
-    ]
-    return _determinant(matrix).num
-
-
-def _loci(problem: Problem) -> Iterator[fmpz_mpoly]:
-    """z over an open set of (p, lam) with a unimodular x, other than 1 and -1."""
-    for growth in problem.growth:
-        split = [f for f, _ in factors(growth) if degree(f, "x") and degree(f, "z")]
-        neutral = [f for f in split if mirror(f, "z", "x") in (f, -f)]
-        found = [f.discriminant("x") for f in neutral if degree(f, "x") > 1]
-        for f in split:
-            if f in neutral:
-                continue
-            cut = f.resultant(mirror(f, "z", "x"), "z")
-            for spot, order in factors(cut):
-                if degree(spot, "x") and mirror(spot, "x") in (spot, -spot) and (order > 1 or spot.total_degree() == 1):
-                    found.append(f.resultant(spot, "x"))
-        for locus in found:
-            for g, _ in factors(locus):
-                if degree(g, "z") and g.total_degree() > 1 and mirror(g, "z") in (g, -g):
-                    yield g
-
-
-def _interior(growth: fmpz_mpoly) -> Iterator[fmpz_mpoly]:
-    split = [f for f, _ in factors(growth)]
-    cuts: dict[str, fmpz_mpoly] = {}
-    doubles: dict[str, fmpz_mpoly] = {}
-    moving = [f for f in split if degree(f, "z")]
-    neutral: list[fmpz_mpoly] = []
-    for f in split:
-        if not degree(f, "z") and not degree(f, "x"):
-            yield f
-        loci = [parts_of(f, "z")[-1]]
-        if degree(f, "z"):
-            turned = mirror(f, "z", "x")
-            if turned in (f, -f):
-                loci += [f.discriminant("z")] if degree(f, "z") > 1 else []
-                loci += [f.resultant(other, "z") for other in neutral]
-                neutral.append(f)
-            else:
-                loci.append(f.resultant(turned, "z"))
-        cuts |= {str(g): g for locus in loci for g, _ in factors(locus)}
-    for f in moving:
-        if degree(f, "z") > 1:
-            doubles |= {str(g): g for g, _ in factors(f.discriminant("z"))}
-    for one, other in combinations(moving, 2):
-        doubles |= {str(g): g for g, _ in factors(one.resultant(other, "z"))}
-    circle = [c for c in cuts.values() if degree(c, "x")]
-    yield from (c for c in cuts.values() if not degree(c, "x"))
-    for c in [*circle, *doubles.values()]:
-        yield from (put(c, "x", Fraction(end)) for end in (1, -1))
-    round_ones = [c for c in circle if degree(c, "x") % 2 == 0 and mirror(c, "x") == c]
-    for c in round_ones:
-        yield c.discriminant("x")
-    for one, other in combinations(round_ones, 2):
-        yield one.resultant(other, "x")

@@ -7,10 +7,12 @@ from fractions import Fraction
 
 from flint import acb, ctx
 
-from gks.bounds.checkderive import Unsupported, curves, degree, derive
+from gks.bounds.checkcurves import curves
+from gks.bounds.checkderive import derive
 from gks.bounds.checkformula import Rejected
-from gks.bounds.checknumbers import BITS, Real, complex_of, gaps_between, real_roots
-from gks.bounds.checkpoint import Judge, univariate
+from gks.bounds.checknumbers import Real, complex_of, gaps_between, real_roots, univariate
+from gks.bounds.checkpoint import Judge
+from gks.bounds.checkring import Unsupported, degree
 from gks.errors import GksError
 from gks.scheme.model import Scheme
 
@@ -60,7 +62,12 @@ def verdict_on(judge: Judge, p: Fraction, lam: Real) -> str:
     return judge.at_point(ends)
 
 
-def verify_line(scheme: Scheme, fixed: Mapping[str, Fraction], spans: Sequence[tuple[Real | None, Real | None]], at_bound: str | None) -> None:
+def verify_line(
+    scheme: Scheme,
+    fixed: Mapping[str, Fraction],
+    spans: Sequence[tuple[Real | None, Real | None]],
+    at_bound: str | None,
+) -> None:
     """Holds stated intervals and the verdict on the bound against the checker's own."""
     try:
         found, judge = line(scheme, fixed)
@@ -77,6 +84,3 @@ def verify_line(scheme: Scheme, fixed: Mapping[str, Fraction], spans: Sequence[t
     top = found[0][1] if found and found[0][0] is None else None
     if (None if top is None else verdict_on(judge, NOWHERE, top)) != at_bound:
         raise Rejected("the verdict on the bound is not what the certificate says")
-
-
-__all__ = ["BITS", "line", "verdict_on", "verify_line"]

@@ -7,12 +7,12 @@ from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from hashlib import sha256
 from itertools import pairwise
-from typing import Any
+from typing import Any, cast
 
 from flint import acb, arb, ctx, fmpq, fmpz_mpoly, fmpz_poly
 
-from gks.bounds.checkderive import parts_of, put
 from gks.bounds.checkformula import Rejected
+from gks.bounds.checkring import parts_of, put
 
 BITS = 256
 """Working precision of comparisons: far beyond the doubles and the printed numbers they hold."""
@@ -28,6 +28,7 @@ def digest(certificate: Mapping[str, Any]) -> str:
 
 
 def fraction(text: object) -> Fraction:
+    """A rational number in lowest terms."""
     if not isinstance(text, str):
         raise Rejected(f"{text!r} is no number")
     try:
@@ -40,10 +41,12 @@ def fraction(text: object) -> Fraction:
 
 
 def ball_of(value: Fraction) -> arb:
+    """A real ball around a rational number."""
     return arb(fmpq(value.numerator, value.denominator))
 
 
 def complex_of(value: Fraction) -> acb:
+    """A complex ball around a rational number."""
     return acb(fmpq(value.numerator, value.denominator))
 
 
@@ -53,9 +56,19 @@ def exact(value: arb) -> Fraction:
     return Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
 
 
+def isolated(poly: fmpz_poly) -> list[acb]:
+    """The distinct roots of each irreducible factor, in disjoint balls; real ones with no imaginary part."""
+    return [root for g, _ in poly.factor()[1] for root in roots_of(g)]
+
+
+def roots_of(poly: fmpz_poly) -> list[acb]:
+    """The roots of a square-free polynomial."""
+    return [root for root, _ in cast("list[tuple[acb, int]]", poly.complex_roots())]
+
+
 def real_roots(poly: fmpz_poly) -> list[arb]:
     """The distinct real roots, ascending, in disjoint balls."""
-    found = [root.real for g, _ in poly.factor()[1] for root, _ in g.complex_roots() if root.imag == 0]
+    found = [root.real for root in isolated(poly) if root.imag == 0]
     found.sort(key=exact)
     for one, other in pairwise(found):
         if not one < other:
@@ -81,23 +94,27 @@ class Real:
         return Fraction(-int(constant), int(slope))
 
 
+def univariate(polynomial: fmpz_mpoly, name: str) -> fmpz_poly:
+    """A polynomial in one variable of the ring, as such."""
+    return fmpz_poly([int(c.leading_coefficient()) if not c.is_zero() else 0 for c in parts_of(polynomial, name)])
+
+
 def over(curve: fmpz_mpoly, p: Fraction) -> fmpz_poly:
     """A curve over a rational p, as a polynomial in lam."""
-    parts = parts_of(put(curve, "p", p), "lam")
-    return fmpz_poly([int(c.leading_coefficient()) if not c.is_zero() else 0 for c in parts])
+    return univariate(put(curve, "p", p), "lam")
 
 
 def positive(curve: fmpz_mpoly, p: Fraction) -> list[arb]:
+    """The positive roots in lam over p, ascending."""
     return [root for root in real_roots(over(curve, p)) if root > 0]
 
 
 def near_positive(curve: fmpz_mpoly, p: Fraction) -> list[arb]:
     """Positive real parts of the roots that are real, or nearly: a pair that meets at a real point close by."""
     found = []
-    for g, _ in over(curve, p).factor()[1]:
-        for root, _ in g.complex_roots():
-            if root.real > 0 and root.imag.abs_upper() <= root.real.abs_lower() * LIMIT:
-                found.append(root.real)
+    for root in isolated(over(curve, p)):
+        if root.real > 0 and root.imag.abs_upper() <= root.real.abs_lower() * LIMIT:
+            found.append(root.real)
     return found
 
 
@@ -124,7 +141,10 @@ def gaps_between(levels: Sequence[arb]) -> list[Fraction]:
         if not _strictly(levels, k, choice):
             raise Rejected("two curves are not told apart")
         inner.append(choice)
-    return [*inner, Fraction(int(ends[-1]) + 1) if _strictly(levels, len(levels), Fraction(int(ends[-1]) + 1)) else ends[-1] + 1]
+    return [
+        *inner,
+        Fraction(int(ends[-1]) + 1) if _strictly(levels, len(levels), Fraction(int(ends[-1]) + 1)) else ends[-1] + 1,
+    ]
 
 
 def _strictly(levels: Sequence[arb], k: int, value: Fraction) -> bool:
@@ -133,4 +153,19 @@ def _strictly(levels: Sequence[arb], k: int, value: Fraction) -> bool:
 
 
 def close(one: arb, other: arb) -> bool:
+    """Whether two numbers agree to LIMIT."""
     return bool(abs(one - other) <= LIMIT * abs(other))
+
+
+def simplest(low: Fraction | None, high: Fraction | None) -> Fraction:
+    """The rational of least denominator in an open interval, the one nearest 0 among integers; None is infinite."""
+    if (low is None or low < 0) and (high is None or high > 0):
+        return Fraction(0)
+    if low is None or low < 0:
+        assert high is not None
+        return -simplest(-high, None if low is None else -low)
+    whole = low.numerator // low.denominator
+    if high is None or whole + 1 < high:
+        return Fraction(whole + 1)
+    above = None if low == whole else 1 / (low - whole)
+    return whole + 1 / simplest(1 / (high - whole), above)

@@ -5,17 +5,14 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from flint import acb, arb
 
-from gks.bounds.checkderive import GEN, ONE, Fr, parts_of
+from gks.bounds.checkcells import CellCheck, CutCheck, Owner
 from gks.bounds.checkformula import Rejected, read
-from gks.bounds.checknumbers import Real, ball_of, complex_of, exact, positive, real_roots
-from gks.bounds.checkpoint import univariate
-
-if TYPE_CHECKING:
-    from gks.bounds.check import _CellCheck, _Checker, _Cut
+from gks.bounds.checknumbers import Real, ball_of, complex_of, exact, positive, real_roots, univariate
+from gks.bounds.checkring import polynomial
 
 _ROOT = re.compile(r"(-?)root\((.*), (\d+)\)")
 
@@ -36,43 +33,49 @@ class _Balls:
         return acb(value.real.sqrt())
 
 
-def verify_pieces(pieces: Sequence[Mapping[str, Any]], owner: _Checker) -> None:
+def verify_pieces(pieces: Sequence[Mapping[str, Any]], owner: Owner) -> None:
     """Every piece covers whole cells, its edges are cuts, and what it states is what the cells state."""
     cell = 0
-    low, high = owner.domain
-    edge: Real | Fraction | None = low
-    waiting: _Cut | None = None
+    edge: Real | Fraction | None = owner.domain[0]
+    waiting: CutCheck | None = None
     for piece in pieces:
         _shape(piece)
-        if piece["from"] == piece["to"]:
-            if waiting is None or waiting.spans is None:
-                raise Rejected(f"the single value {piece['from']} has no stable set of its own")
-            _edge(piece, "from", waiting.root, owner)
-            _edge(piece, "to", waiting.root, owner)
-            verify_single(piece, waiting.spans, owner.scheme.cfl)
-            _bound(piece, waiting.at_bound)
+        own = waiting is not None and waiting.spans is not None
+        if own is not (piece["from"] == piece["to"]):
+            raise Rejected("a cut with a stable set of its own is stated nowhere, or one without is stated")
+        if waiting is not None and own:
+            _single_cut(piece, waiting, owner)
             waiting = None
             continue
-        if waiting is not None and waiting.spans is not None:
-            raise Rejected("a cut with a stable set of its own is stated nowhere")
         _edge(piece, "from", edge, owner, "-oo")
-        while True:
-            if cell == len(owner.cells):
-                raise Rejected("the pieces go beyond the cells")
-            _stated(piece, owner.cells[cell], owner)
-            cell += 1
-            if cell == len(owner.cells):
-                edge, waiting = high, None
-                break
-            cut = owner.cuts[cell - 1]
-            if _is_edge(piece, cut.root, owner):
-                edge, waiting = cut.root, cut
-                break
-            if cut.spans is not None:
-                raise Rejected("a piece passes over a cut with a stable set of its own")
+        cell, waiting = _covered(piece, cell, owner)
+        edge = owner.domain[1] if waiting is None else waiting.root
         _edge(piece, "to", edge, owner, "oo")
     if cell != len(owner.cells) or waiting is not None:
         raise Rejected("the pieces do not cover the domain")
+
+
+def _single_cut(piece: Mapping[str, Any], cut: CutCheck, owner: Owner) -> None:
+    _edge(piece, "from", cut.root, owner)
+    _edge(piece, "to", cut.root, owner)
+    assert cut.spans is not None
+    verify_single(piece, cut.spans, owner.scheme.cfl)
+    _bound(piece, cut.at_bound)
+
+
+def _covered(piece: Mapping[str, Any], cell: int, owner: Owner) -> tuple[int, CutCheck | None]:
+    """Holds a piece against its cells, from ``cell`` on; the first cell after it, and the cut it ends at."""
+    while cell < len(owner.cells):
+        _stated(piece, owner.cells[cell], owner)
+        cell += 1
+        if cell == len(owner.cells):
+            return cell, None
+        cut = owner.cuts[cell - 1]
+        if _is_edge(piece, cut.root, owner):
+            return cell, cut
+        if cut.spans is not None:
+            raise Rejected("a piece passes over a cut with a stable set of its own")
+    raise Rejected("the pieces go beyond the cells")
 
 
 def verify_single(piece: Mapping[str, Any], spans: Sequence[tuple[Real | None, Real | None]], lam: str) -> None:
@@ -110,38 +113,30 @@ def _constant(text: str, name: str) -> arb:
     """A number written as a formula, or as a root of a polynomial in ``name``."""
     match = _ROOT.fullmatch(text)
     if match is None:
-        return read(text, _Balls(), {}).real
-    poly = univariate(_function(match[2], {name: "x"}), "x")
+        value: acb = read(text, _Balls(), {})
+        return value.real
+    poly = univariate(polynomial(match[2], {name: "x"}), "x")
     root = [r for r in real_roots(poly) if r > 0][int(match[3]) - 1]
     return -root if match[1] else root
-
-
-def _function(text: str, names: Mapping[str, str]) -> Any:
-    from gks.bounds.check import _Function, _Polynomials
-
-    value = read(text, _Polynomials(), {n: _Function(Fr(GEN[g], ONE)) for n, g in names.items()}).value
-    if not value.den.is_one():
-        raise Rejected(f"{text!r} is no polynomial")
-    return value.num
 
 
 def _agree(one: arb, other: arb) -> bool:
     return bool(abs(one - other) <= AGREE * (abs(one) + abs(other)))
 
 
-# Edges ------------------------------------------------------------------------------------------------------------------
+# Edges --------------------------------------------------------------------------------------------------------------
 
 
 def _ball(edge: Real | Fraction) -> arb:
     return edge.ball() if isinstance(edge, Real) else ball_of(edge)
 
 
-def _is_edge(piece: Mapping[str, Any], root: Real, owner: _Checker) -> bool:
+def _is_edge(piece: Mapping[str, Any], root: Real, owner: Owner) -> bool:
     text = piece["to"]
     return text != "oo" and _agree(_constant(text, str(owner.parameter)), root.ball())
 
 
-def _edge(piece: Mapping[str, Any], side: str, edge: Real | Fraction | None, owner: _Checker, infinite: str = "") -> None:
+def _edge(piece: Mapping[str, Any], side: str, edge: Real | Fraction | None, owner: Owner, infinite: str = "") -> None:
     text, value = piece[side], piece[f"{side}_value"]
     if edge is None:
         if text != infinite or value != infinite:
@@ -159,10 +154,10 @@ def _edge(piece: Mapping[str, Any], side: str, edge: Real | Fraction | None, own
         raise Rejected(f"{value!r} is not the number that {text!r} is")
 
 
-# Formulas -----------------------------------------------------------------------------------------------------------------
+# Formulas -----------------------------------------------------------------------------------------------------------
 
 
-def _stated(piece: Mapping[str, Any], cell: _CellCheck, owner: _Checker) -> None:
+def _stated(piece: Mapping[str, Any], cell: CellCheck, owner: Owner) -> None:
     if len(piece["stable_set"]) != len(cell.spans):
         raise Rejected("a piece and its cell have different numbers of stable intervals")
     _bound(piece, cell.at_bound)
@@ -180,7 +175,7 @@ def _bound(piece: Mapping[str, Any], at_bound: str | None) -> None:
         raise Rejected("the verdict on the bound is not that of the cell")
 
 
-def _places(cell: _CellCheck, owner: _Checker) -> list[Fraction]:
+def _places(cell: CellCheck, owner: Owner) -> list[Fraction]:
     low, high = cell.ends
     bottom = exact(low.ball()) if low else owner.domain[0]
     top = exact(high.ball()) if high else owner.domain[1]
@@ -189,11 +184,15 @@ def _places(cell: _CellCheck, owner: _Checker) -> list[Fraction]:
     if top is None:
         top = max(cell.sample, bottom) + 7
     inside = [(bottom + (top - bottom) * share).limit_denominator(10**6) for share in SHARES]
-    clear = [p for p in inside if bottom < p < top and (not low or ball_of(p) > low.ball()) and (not high or ball_of(p) < high.ball())]
+    clear = [
+        p
+        for p in inside
+        if bottom < p < top and (not low or ball_of(p) > low.ball()) and (not high or ball_of(p) < high.ball())
+    ]
     return [cell.sample, *clear]
 
 
-def _formula(text: str, branch: tuple[int, int] | None, otherwise: str, p: Fraction, owner: _Checker) -> None:
+def _formula(text: str, branch: tuple[int, int] | None, otherwise: str, p: Fraction, owner: Owner) -> None:
     if branch is None:
         if text != otherwise:
             raise Rejected(f"{text!r} should be {otherwise}")
@@ -201,13 +200,10 @@ def _formula(text: str, branch: tuple[int, int] | None, otherwise: str, p: Fract
     curve, place = owner.curves[branch[0]], branch[1]
     match = _ROOT.fullmatch(text)
     if match is not None:
-        given = _function(match[2], {str(owner.parameter): "p", owner.scheme.cfl: "lam"})
+        given = polynomial(match[2], {str(owner.parameter): "p", owner.scheme.cfl: "lam"})
         if given not in (curve, -curve) or match[1] or int(match[3]) != place:
             raise Rejected(f"{text!r} is not the curve that was verified")
         return
     value = read(text, _Balls(), {str(owner.parameter): complex_of(p)}).real
     if not _agree(value, positive(curve, p)[place - 1]):
         raise Rejected(f"{text!r} is not the bound at {owner.parameter} = {p}")
-
-
-__all__ = ["parts_of", "verify_pieces", "verify_single"]

@@ -1,9 +1,9 @@
 """The checker's own verdict at a point, in balls.
 
 At rational (p, lam) all polynomials are rational, and what lies on the unit circle is told exactly: a root of an
-irreducible polynomial that is its own reciprocal is on the circle when the mirror image of its ball meets no other ball.
-At an algebraic point balls prove only what is strict; a root that meets the circle at the highest precision is taken to be
-on it, which errs on the side of refusing what is claimed to be stable.
+irreducible polynomial that is its own reciprocal is on the circle when the mirror image of its ball meets no other
+ball. At an algebraic point balls prove only what is strict; a root that meets the circle at the highest precision is
+taken to be on it, which errs on the side of refusing what is claimed to be stable.
 """
 
 from __future__ import annotations
@@ -13,22 +13,15 @@ from dataclasses import dataclass
 from fractions import Fraction
 from itertools import combinations, product
 
-from flint import acb, acb_poly, arb, ctx, fmpq, fmpz_mpoly, fmpz_poly
+from flint import acb, ctx, fmpq, fmpz_mpoly, fmpz_poly
 
-from gks.bounds.checkderive import (
-    Problem,
-    bases,
-    characteristic,
-    degree,
-    enclose,
-    factors,
-    in_z,
-    kreiss,
-    mirror,
-    parts_of,
-    put,
-)
+from gks.bounds.checkballs import Open, deflated, solved
+from gks.bounds.checkcauchy import cauchy
+from gks.bounds.checkcurves import characteristic, in_z, kreiss
+from gks.bounds.checkderive import Problem
 from gks.bounds.checkformula import Rejected
+from gks.bounds.checknumbers import isolated, roots_of, univariate
+from gks.bounds.checkring import enclose, parts_of, put
 
 LADDER = (128, 256, 512, 1024, 2048)
 """Working precisions, in bits; a question that the last leaves open rejects the certificate."""
@@ -36,10 +29,6 @@ LADDER = (128, 256, 512, 1024, 2048)
 
 Ends = Callable[[int], Mapping[str, acb]]
 """A point as balls at a precision in bits."""
-
-
-class _Open(Exception):
-    """Not decided at this precision."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,10 +54,10 @@ class Judge:
         for bits in LADDER:
             with ctx.workprec(bits):
                 try:
-                    if not all(_cauchy(_at(growth, at)) for growth in self.problem.growth):
+                    if not all(cauchy(_at(growth, at)) for growth in self.problem.growth):
                         return False
                     return not any(mode.zero for mode in self._modes(_balls(at), at))
-                except _Open:
+                except Open:
                     continue
         raise Rejected(f"the verdict at p = {p}, lam = {lam} is not verified")
 
@@ -78,8 +67,8 @@ class Judge:
         for bits in LADDER:
             with ctx.workprec(bits):
                 try:
-                    return all(_cauchy(_at(growth, at)) for growth in self.problem.growth)
-                except _Open:
+                    return all(cauchy(_at(growth, at)) for growth in self.problem.growth)
+                except Open:
                     continue
         raise Rejected(f"Cauchy stability at p = {p}, lam = {lam} is not verified")
 
@@ -91,7 +80,8 @@ class Judge:
         return self._worst(lambda bits: _balls(at), at)
 
     def at_point(self, ends: Ends) -> str:
-        """The verdict of the closure where (p, lam) is given by ``ends(bits)``, balls: "stable", "neutral", "generalized".
+        """The verdict of the closure where (p, lam) is given by ``ends(bits)``, balls: "stable", "neutral",
+        "generalized".
 
         "unstable" for a growing mode. The interior is taken to be Cauchy-stable.
         """
@@ -102,7 +92,7 @@ class Judge:
             with ctx.workprec(bits):
                 try:
                     modes = [mode for mode in self._modes(ends(bits), exact) if mode.zero]
-                except _Open:
+                except Open:
                     continue
                 if any(not mode.on_circle for mode in modes):
                     return "unstable"
@@ -111,7 +101,7 @@ class Judge:
                 return "neutral" if modes else "stable"
         raise Rejected("the verdict at a point of a curve is not verified")
 
-    # Closure --------------------------------------------------------------------------------------------------------------
+    # Closure --------------------------------------------------------------------------------------------------------
 
     def _modes(self, ball: Mapping[str, acb], exact: Mapping[str, Fraction] | None) -> Iterator[_Mode]:
         on_circle = None if exact is None else [z for f in self.mapped for z in _unimodular(_at(f, exact))]
@@ -125,7 +115,11 @@ class Judge:
     def _images(self, sigma: acb, ball: Mapping[str, acb]) -> list[acb]:
         if self.problem.time_map is None:
             return [sigma]
-        return _solved([enclose(c, {**ball, "s": sigma}) for c in parts_of(self.problem.time_map, "z")])
+        parts = [enclose(c, {**ball, "s": sigma}) for c in parts_of(self.problem.time_map, "z")]
+        try:
+            return solved(parts)
+        except Open:
+            return [root for found in deflated(parts) for root in found]
 
     def _mode(self, at: Mapping[str, acb], on_circle: bool, exact: Mapping[str, Fraction]) -> _Mode:
         chosen, limiting = [], False
@@ -136,13 +130,13 @@ class Judge:
             inside = [x for x in roots if abs(x) < 1]
             straddling = [x for x in roots if not abs(x) < 1 and not abs(x) > 1]
             if (straddling or double) and not on_circle:
-                raise _Open
+                raise Open
             # Of two branches that meet on the circle one comes from inside: they leave in opposite directions.
             coming = double + [x for x in straddling if self._comes_from_inside(whole, {**at, "x": x})]
             roots = roots + double
             mine = inside + coming
             if len(mine) != family.decaying:
-                raise _Open
+                raise Open
             chosen.append(mine)
             limiting = limiting or bool(coming)
             kept = [x for found in _with_double(part, at) for x in found]
@@ -154,7 +148,7 @@ class Judge:
         for choice in product(*others):
             same = all({id(x) for x in a} == {id(x) for x in b} for a, b in zip(choice, chosen, strict=True))
             if not same and self._delta(choice, at).contains(0):
-                raise _Open  # another choice of spatial roots may be the one that makes the norm vanish
+                raise Open  # another choice of spatial roots may be the one that makes the norm vanish
         return _Mode(on_circle, True, limiting and self._limit_needed(chosen, at))
 
     def _delta(self, roots: Sequence[Sequence[acb]], at: Mapping[str, acb]) -> acb:
@@ -162,14 +156,17 @@ class Judge:
 
     def _matrix(self, roots: Sequence[Sequence[acb]], at: Mapping[str, acb]) -> list[list[acb]]:
         mine = [[acb(0)] * b.zeros + list(roots[b.family]) for b in self.problem.blocks]
-        return kreiss(self.problem, mine, lambda c: enclose(c, at), acb(0), acb(1))  # type: ignore[return-value]
+        return kreiss(self.problem, mine, lambda c: enclose(c, at), acb(0), acb(1))
 
     def _limit_needed(self, roots: Sequence[Sequence[acb]], at: Mapping[str, acb]) -> bool:
         """Whether the columns that decay strictly are independent, so that a kernel vector needs the others."""
         columns = [list(column) for column in zip(*self._matrix(roots, at), strict=True)]
         strict = [[acb(0)] * b.zeros + list(roots[b.family]) for b in self.problem.blocks]
         kept = [c for c, x in zip(columns, [x for mine in strict for x in mine], strict=True) if abs(x) < 1]
-        gram = [[sum((a * b.conjugate() for a, b in zip(one, other, strict=True)), acb(0)) for other in kept] for one in kept]
+        gram = [
+            [sum((a * b.conjugate() for a, b in zip(one, other, strict=True)), acb(0)) for other in kept]
+            for one in kept
+        ]
         return not _ball_determinant(gram).contains(0) if gram else True
 
     def _comes_from_inside(self, symbol: fmpz_mpoly, at: Mapping[str, acb]) -> bool:
@@ -180,7 +177,7 @@ class Judge:
             along = -along * enclose(pi.derivative("z"), at) / enclose(pi.derivative("s"), at)
         rate = (-at["z"] * along / (at["x"] * enclose(symbol.derivative("x"), at))).real
         if not (rate < 0 or rate > 0):
-            raise _Open
+            raise Open
         return bool(rate < 0)
 
 
@@ -194,61 +191,28 @@ def _balls(values: Mapping[str, Fraction]) -> dict[str, acb]:
     return {name: acb(fmpq(v.numerator, v.denominator)) for name, v in values.items()}
 
 
-def univariate(polynomial: fmpz_mpoly, name: str) -> fmpz_poly:
-    return fmpz_poly([int(c.leading_coefficient()) if not c.is_zero() else 0 for c in parts_of(polynomial, name)])
-
-
 def _roots(f: fmpz_mpoly, name: str, ball: Mapping[str, acb], exact: Mapping[str, Fraction] | None) -> list[acb]:
     """The distinct roots, in disjoint balls."""
     if exact is None:
         parts = [enclose(c, ball) for c in parts_of(f, name)]
         try:
-            return _solved(parts)
-        except _Open:
-            return [root for found in _deflated(parts) for root in found]
+            return solved(parts)
+        except Open:
+            return [root for found in deflated(parts) for root in found]
     poly = univariate(_at(f, exact), name)
-    return [root for g, _ in poly.factor()[1] for root, _ in g.complex_roots()]
-
-
-def _solved(coefficients: Sequence[acb]) -> list[acb]:
-    """Disjoint balls around the roots of a polynomial with ball coefficients; _Open where they are not isolated."""
-    if len(coefficients) < 2:
-        return []
-    if coefficients[-1].contains(0):
-        raise _Open
-    try:
-        return list(acb_poly(list(coefficients)).roots())
-    except ValueError:
-        raise _Open from None
+    return isolated(poly)
 
 
 def _with_double(symbol: fmpz_mpoly, at: Mapping[str, acb]) -> tuple[list[acb], list[acb]]:
     """The simple roots x, and a double one on the circle if that is what keeps the roots from being isolated."""
     parts = [enclose(c, at) for c in parts_of(symbol, "x")]
     try:
-        return _solved(parts), []
-    except _Open:
-        simple, double = _deflated(parts)
-        if not abs(double[0]).contains(1):
+        return solved(parts), []
+    except Open:
+        simple, double = deflated(parts)
+        if not all(abs(x).contains(1) for x in double):
             raise
         return simple, double
-
-
-def _deflated(parts: Sequence[acb]) -> tuple[list[acb], list[acb]]:
-    """The simple roots, and the one double root: a root of the derivative at which the polynomial may vanish."""
-    if len(parts) < 3 or parts[-1].contains(0):
-        raise _Open
-    whole = acb_poly(list(parts))
-    hits = [w for w in _solved(list(whole.derivative())) if whole(w).contains(0)]
-    if len(hits) != 1:
-        raise _Open
-    rest = list(parts)
-    for _ in range(2):
-        quotient = [rest[-1]]
-        for c in reversed(rest[1:-1]):
-            quotient.append(c + hits[0] * quotient[-1])
-        rest = quotient[::-1]
-    return _solved(rest), hits
 
 
 def _unimodular(f: fmpz_mpoly) -> list[acb]:
@@ -258,7 +222,7 @@ def _unimodular(f: fmpz_mpoly) -> list[acb]:
         turned = fmpz_poly(list(g)[::-1])
         if turned not in (g, -g):
             continue
-        roots = [root for root, _ in g.complex_roots()]
+        roots = roots_of(g)
         for root in roots:
             image = 1 / root.conjugate()
             if abs(root).contains(1) and [r for r in roots if r.overlaps(image)] == [root]:
@@ -273,7 +237,7 @@ def _place(z: acb, on_circle: Sequence[acb] | None) -> int:
     if abs(z) > 1:
         return 1
     if on_circle is not None and not any(z.overlaps(each) for each in on_circle):
-        raise _Open
+        raise Open
     return 0
 
 
@@ -303,97 +267,3 @@ def _expanded(matrix: Sequence[Sequence[acb]]) -> acb:
     for j, entry in enumerate(matrix[0]):
         total += (-1) ** j * entry * _expanded([[v for k, v in enumerate(row) if k != j] for row in matrix[1:]])
     return total
-
-
-# The interior -------------------------------------------------------------------------------------------------------------
-
-
-def _cauchy(growth: fmpz_mpoly) -> bool:
-    """Whether F(z, x) = 0, with integer coefficients, is Cauchy-stable.
-
-    Cuts of the upper half circle: where a leading coefficient vanishes or roots z may meet the circle or each other. Between
-    cuts one rational point decides; at a cut the moduli are limits, and only a multiple root on the circle can do harm.
-    """
-    split = [f for f, _ in factors(growth) if degree(f, "z")]
-    cuts = _slopes([cut for f in split for cut in _cutting(f, split)])
-    inner = [(a[1] + b[0]) / 2 for a, b in zip(cuts[:-1], cuts[1:], strict=True)]
-    first = [cuts[0][0] / 2] if cuts and cuts[0][0] > 0 else [Fraction(1)] if not cuts else []
-    last = [cuts[-1][1] + 1] if cuts else []
-    for t in [*first, *inner, *last]:
-        x = acb(1, fmpq(t.numerator, t.denominator)) / acb(1, -fmpq(t.numerator, t.denominator))
-        if not all(_inside_or_on(f, x) for f in split):
-            return False
-    ends = [acb(1), acb(-1), *(_circle_ball(cut) for cut in cuts)]
-    return all(_simple_on_circle(split, x) for x in ends)
-
-
-def _cutting(f: fmpz_mpoly, split: Sequence[fmpz_mpoly]) -> Iterator[fmpz_poly]:
-    yield univariate(parts_of(f, "z")[-1], "x")
-    turned = mirror(f, "z", "x")
-    loci = [f.resultant(turned, "z")] if turned not in (f, -f) else []
-    if degree(f, "z") > 1:
-        loci.append(f.discriminant("z"))
-    loci += [f.resultant(other, "z") for other in split if other != f]
-    yield from (univariate(locus, "x") for locus in loci if not locus.is_zero())
-
-
-def _slopes(cuts: Sequence[fmpz_poly]) -> list[tuple[Fraction, Fraction]]:
-    """Disjoint rational intervals for tan(theta/2), 0 < theta < pi, of all cuts on the circle (more do no harm)."""
-    found: list[tuple[Fraction, Fraction]] = []
-    known = {tuple(int(c) for c in list(g)): g for cut in cuts for g, _ in cut.factor()[1]}
-    for g in known.values():
-        for x, _ in g.complex_roots():
-            if abs(x).contains(1) and x.imag > 0:
-                slope = x.imag / (1 + x.real)
-                found.append((_exact(slope.lower()), _exact(slope.upper())))
-    found.sort()
-    merged: list[tuple[Fraction, Fraction]] = []
-    for low, high in found:
-        if merged and low <= merged[-1][1]:
-            merged[-1] = (merged[-1][0], max(high, merged[-1][1]))
-        else:
-            merged.append((low, high))
-    return merged
-
-
-def _exact(value: arb) -> Fraction:
-    mantissa, exponent = value.man_exp()
-    return Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
-
-
-def _circle_ball(slope: tuple[Fraction, Fraction]) -> acb:
-    low, high = (arb(fmpq(e.numerator, e.denominator)) for e in slope)
-    t = low.union(high)
-    return acb(1 - t * t, 2 * t) / (1 + t * t)
-
-
-def _inside_or_on(f: fmpz_mpoly, x: acb) -> bool:
-    """Whether no root z at a point between cuts is outside; on the circle are those whose mirror image is their own."""
-    roots = _solved([enclose(c, {"x": x}) for c in parts_of(f, "z")])
-    neutral = mirror(f, "z", "x") in (f, -f)
-    for z in roots:
-        if abs(z) > 1:
-            return False
-        if abs(z) < 1:
-            continue
-        image = 1 / z.conjugate()
-        if not neutral or sum(r.overlaps(image) for r in roots) != 1:
-            raise _Open
-    return True
-
-
-def _simple_on_circle(split: Sequence[fmpz_mpoly], x: acb) -> bool:
-    near: list[acb] = []
-    for f in split:
-        parts = [enclose(c, {"x": x}) for c in parts_of(f, "z")]
-        if parts[-1].contains(0):
-            return False
-        try:
-            near += [z for z in _solved(parts) if not abs(z) < 1]
-        except _Open:
-            if abs(_deflated(parts)[1][0]).contains(1):
-                return False  # a double root on the circle
-    return not any(a.overlaps(b) for k, a in enumerate(near) for b in near[:k])
-
-
-__all__ = ["LADDER", "Judge", "bases", "univariate"]

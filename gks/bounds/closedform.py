@@ -1,10 +1,10 @@
 """A branch of a boundary curve as a formula: rational, with square roots, or with nested ones.
 
-With y = n a_n lam + a_(n-1) the curve becomes y**n + c_(n-2) y**(n-2) + ... over Z[p]. It is solved where it is linear, or
-quadratic in y or in y**2 (a curve in lam**2 is its own special case). Squares are taken out of every radicand, and
-sqrt(A + B sqrt(C)) is split into two single roots where A**2 - B**2 C is a square. Each curve gives as many formulas as it
-has roots; balls at a sample tell which of them is the branch. Over a cell the formulas' values never meet, so it is the
-branch over the whole cell.
+With y = n a_n lam + a_(n-1) the curve becomes y**n + c_(n-2) y**(n-2) + ... over Z[p]. It is solved where it is
+linear, or quadratic in y or in y**2 (a curve in lam**2 is its own special case). Squares are taken out of every
+radicand, and sqrt(A + B sqrt(C)) is split into two single roots where A**2 - B**2 C is a square. Each curve gives as
+many formulas as it has roots; balls at a sample tell which of them is the branch. Over a cell the formulas' values
+never meet, so it is the branch over the whole cell.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ TELL_BITS = 1 << 12
 
 
 def closed_form(curve: fmpz_mpoly, p: Fraction, lam: Root, name: str) -> Expr | None:
-    """The formula in the parameter ``name`` of the branch of ``curve`` that passes (p, lam), None where there is none."""
+    """The formula in the parameter ``name`` of the branch of ``curve`` through (p, lam); None where there is none."""
     try:
         formulas = [f for f in _solutions(curve, name) if len(str(f)) <= MODEST]
     except TooLarge:
@@ -106,7 +106,7 @@ class _Balls:
         return acb(radicand.real.sqrt())  # not a number, which overlaps everything, where the ball holds negative ones
 
 
-# Solving --------------------------------------------------------------------------------------------------------------
+# Solving ------------------------------------------------------------------------------------------------------------
 
 
 def _solutions(curve: fmpz_mpoly, name: str) -> Iterator[Expr]:
@@ -228,7 +228,7 @@ def _quotient(top: fmpz_mpoly, bottom: fmpz_mpoly, name: str) -> Expr:
     return _over(_factored(top, name), bottom, name)
 
 
-# Squares --------------------------------------------------------------------------------------------------------------
+# Squares ------------------------------------------------------------------------------------------------------------
 
 
 def _without_squares(value: fmpz_mpoly) -> tuple[fmpz_mpoly, fmpz_mpoly]:
@@ -261,7 +261,7 @@ def _square_root(value: fmpz_mpoly) -> fmpz_mpoly | None:
     return outside if inside.is_one() else None
 
 
-# Polynomials as formulas ----------------------------------------------------------------------------------------------
+# Polynomials as formulas --------------------------------------------------------------------------------------------
 
 
 def _expanded(value: fmpz_mpoly, name: str) -> Expr:

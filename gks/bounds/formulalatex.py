@@ -11,7 +11,9 @@ from gks.scheme.expression import Expr
 
 
 class _Part(NamedTuple):
-    """LaTeX with what its neighbours must know: whether it is a sum, what it is a reciprocal of, its value if a number."""
+    """LaTeX with what its neighbours must know: whether it is a sum, what it is a reciprocal of, its value if a
+    number.
+    """
 
     text: str
     is_sum: bool = False

@@ -1,8 +1,8 @@
 """Where boundary curves meet over an algebraic value of the parameter.
 
-Over p0, a root of the irreducible g, two curves meet at the common roots of their specialisations. These are the roots of
-a gcd over the number field Q[p]/(g), usually of degree 1 although the curves have high degree: so a meeting point is
-known exactly without ever forming a norm of the curves themselves.
+Over p0, a root of the irreducible g, two curves meet at the common roots of their specialisations. These are the
+roots of a gcd over the number field Q[p]/(g), usually of degree 1 although the curves have high degree: so a meeting
+point is known exactly without ever forming a norm of the curves themselves.
 """
 
 from __future__ import annotations

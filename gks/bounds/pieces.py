@@ -10,9 +10,10 @@ from flint import fmpz_mpoly
 
 from gks.bounds.asymptotics import leading_term
 from gks.bounds.boundary import PLANE
-from gks.bounds.cells import Branch, Cell, Cut, Decomposition, End, Span, ascending_roots, value_of
+from gks.bounds.cells import Branch, Cell, Cut, Decomposition, End, Span, value_of
 from gks.bounds.cfl import StableSet
 from gks.bounds.closedform import closed_form, number_form
+from gks.bounds.criticality import ascending_roots
 from gks.bounds.formulalatex import latex
 from gks.bounds.theorem import INFINITE, Cellwise, Edge, Formula, Number, Piece
 from gks.modes.algebraic import Root, isolated_roots, primitive, reflected
@@ -78,7 +79,7 @@ def _terms(curve: fmpz_mpoly) -> tuple[tuple[int, int, int], ...]:
     return tuple((int(i), int(j), int(c)) for (i, j), c in curve.to_dict().items())
 
 
-# Formulas over the cells ------------------------------------------------------------------------------------------------
+# Formulas over the cells --------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,7 +1,8 @@
 """``prove``: the exact stable region of a scheme over one parameter, as a theorem.
 
-The work is done in a process of its own: FLINT cannot be interrupted from within, so only ending the process honours a
-time limit, or Ctrl-C, at once. What is not proved says at which stage it stopped, and carries a certified curve instead.
+The work is done in a process of its own: FLINT cannot be interrupted from within, so only ending the process honours
+a time limit, or Ctrl-C, at once. What is not proved says at which stage it stopped, and carries a certified curve
+instead.
 """
 
 from __future__ import annotations
@@ -40,8 +41,8 @@ def prove(
 ) -> Theorem:
     """The theorem over the ranged parameter that ``values`` leaves free; other parameters take their defaults.
 
-    ``limit`` is in seconds; ``progress`` is told the stages. Raises InputError where the input is at fault; what cannot be
-    proved comes back as a theorem whose status says so.
+    ``limit`` is in seconds; ``progress`` is told the stages. Raises InputError where the input is at fault; what
+    cannot be proved comes back as a theorem whose status says so.
     """
     start = perf_counter()
     share = None if limit is None else limit * (1 - CURVE_SHARE)
@@ -141,7 +142,7 @@ def _constant(scheme: Scheme, fixed: Mapping[str, Fraction]) -> Theorem:
     return replace(theorem, certificate=constant_certificate(theorem, found, fixed))
 
 
-# Instead of a proof ---------------------------------------------------------------------------------------------------
+# Instead of a proof -------------------------------------------------------------------------------------------------
 
 
 def _certified_curve(scheme: Scheme, values: Mapping[str, Fraction], limit: float | None) -> Curve | None:
@@ -176,7 +177,7 @@ def _places(parameter: Parameter) -> list[Fraction]:
 
 
 def _spread(low: Fraction | None, high: Fraction | None) -> Iterator[Fraction]:
-    """Points inside a range: by equal factors where it is positive, else by equal steps; infinite ends come in to 1e4."""
+    """Points inside a range: by equal factors where positive, else by equal steps; infinite ends come in to 1e4."""
     if low is not None and low >= 0 and (high is None or low == 0 or high / low > 100):
         top = high if high is not None else max(Fraction(10**4), 10**8 * low)
         bottom = low or top / 10**8

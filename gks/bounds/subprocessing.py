@@ -1,7 +1,8 @@
 """A job in a process of its own, which can be ended at any moment.
 
-The child is this interpreter, started afresh: no part of the caller's program runs in it. Messages are pickled, each after
-its length. The child ends when its standard input is closed, so that it does not outlive a parent that was killed.
+The child is this interpreter, started afresh: no part of the caller's program runs in it. Messages are pickled, each
+after its length. The child ends when its standard input is closed, so that it does not outlive a parent that was
+killed.
 """
 
 from __future__ import annotations
@@ -29,8 +30,9 @@ Job = Callable[..., object]
 def messages(job: Job, arguments: Sequence[object], limit: float | None) -> Iterator[object]:
     """What ``job(*arguments, report)`` reports, and last what it returns (None is not sent).
 
-    ``job`` is a function of a module; a GksError that it raises is raised here. The stream just ends when ``limit`` seconds are
-    over. RuntimeError where the child dies of something else. The child is gone when the generator is left, however that is.
+    ``job`` is a function of a module; a GksError that it raises is raised here. The stream just ends when ``limit``
+    seconds are over. RuntimeError where the child dies of something else. The child is gone when the generator is
+    left, however that is.
     """
     deadline = None if limit is None else monotonic() + limit
     with _started() as child:

@@ -206,7 +206,7 @@ def _evaluated(piece: Piece, k: int, points: NDArray[np.float64]) -> NDArray[np.
     return branch_values({(i, j): c for i, j, c in piece.bound.curve}, k, points)
 
 
-# Words ----------------------------------------------------------------------------------------------------------------
+# Words --------------------------------------------------------------------------------------------------------------
 
 
 def _joined(pieces: Sequence[Piece]) -> list[Piece]:

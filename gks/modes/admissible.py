@@ -13,12 +13,16 @@ and eps > 0 moves a branch inside when Re eta < 0. For q = 1 this is the sign of
 Comput.
 Phys. 49 (1983), eq. 3.4), for q > 1 a glancing point. A branch with Re eta = 0 to leading order would leave the circle
 sideways and break Cauchy stability, so the sign is always decided by balls at some precision.
+
+For a system several branches may cross: P vanishes to order d in eps alone, in eta alone and in both together. The
+terms of total degree d then split into d branches eta = v eps with real v, the inverse group velocities; those with
+v < 0 count.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import factorial
+from math import comb, factorial
 
 from flint import acb, arb, ctx, fmpz_mpoly
 
@@ -80,8 +84,7 @@ def admissible(problem: NormalModeProblem, family: Family, candidate: Candidate)
     circle = [r for r in roots if r.position is Position.ON]
     if candidate.position is not Position.ON or not circle:
         return Admissible(inside, ())
-    slope = _outward_slope(problem, family, candidate)
-    limiting = [(r, _incoming_branches(problem, family, candidate, r, slope)) for r in circle]
+    limiting = [(r, _incoming_branches(problem, family, candidate, r)) for r in circle]
     found = Admissible(inside, tuple((r, count) for r, count in limiting if count))
     if found.count != family.decaying:
         raise Undecided(
@@ -90,49 +93,82 @@ def admissible(problem: NormalModeProblem, family: Family, candidate: Candidate)
     return found
 
 
-def _outward_slope(problem: NormalModeProblem, family: Family, candidate: Candidate) -> tuple[fmpz_mpoly, fmpz_mpoly]:
-    """b = z0 dP/dz as a quotient of polynomials in sigma, z and x.
+def outward(problem: NormalModeProblem) -> tuple[fmpz_mpoly, fmpz_mpoly]:
+    """d sigma / d eps for z = z0 (1 + eps), as a quotient of polynomials in sigma and z.
 
-    With the variable s, dP/dz = P_s ds/dz and ds/dz = -pi_z / pi_s; under `exact` z ds/dz = 1/lam.
+    With the variable s, ds/dz = -pi_z / pi_s; under `exact` z ds/dz = 1/lam, whose size is of no account.
     """
-    gens = problem.coefficients.gens
+    gens, one = problem.coefficients.gens, problem.coefficients.context.constant(1)
     if problem.variable == "z":
-        return family.polynomial.derivative("z") * gens["z"], problem.coefficients.context.constant(1)
-    slope = family.polynomial.derivative("s")
+        return gens["z"], one
     pi = problem.time_map
     if pi is None:
-        return slope, problem.coefficients.context.constant(1)
-    return -slope * gens["z"] * pi.derivative("z"), pi.derivative("s")
+        return one, one
+    return -gens["z"] * pi.derivative("z"), pi.derivative("s")
 
 
-def _incoming_branches(
-    problem: NormalModeProblem,
-    family: Family,
-    candidate: Candidate,
-    root: FibreRoot,
-    slope: tuple[fmpz_mpoly, fmpz_mpoly],
-) -> int:
+def _point_on_circle(problem: NormalModeProblem, candidate: Candidate, root: Root) -> dict[str, Root]:
+    """Coordinates of a spatial root at a candidate; Undecided where the growth factor does not move with sigma."""
+    point = {**point_of(problem, candidate), "x": root}
+    if candidate.z is not None:
+        point["z"] = candidate.z
+    if any(is_zero(point, part) for part in outward(problem)):
+        raise Undecided("z does not move with the resolvent variable at a point on the circle")
+    return point
+
+
+def _incoming_branches(problem: NormalModeProblem, family: Family, candidate: Candidate, root: FibreRoot) -> int:
     q = root.multiplicity
+    point = _point_on_circle(problem, candidate, root.root)
+    slope = family.polynomial.derivative(problem.variable)
+    if is_zero(point, slope):
+        return sum(count for speed, count in crossing_slopes(problem, family, candidate, root) if _negative(speed))
     bend = family.polynomial
     for _ in range(q):
         bend = bend.derivative("x")
-    point = point_of(problem, candidate)
-    if candidate.z is not None:
-        point["z"] = candidate.z
-    point["x"] = root.root
-    if any(is_zero(point, part) for part in slope):
-        raise Undecided("z does not move with the spatial root at a point on the circle")
+    top, bottom = outward(problem)
     bits = START_BITS
     while bits <= DIRECTION_BITS:
         with ctx.workprec(bits + GUARD_BITS):
             at = {name: each.ball(bits) for name, each in point.items()}
             a = at["x"] ** q * at_balls(bend, at) / factorial(q)
-            b = at_balls(slope[0], at) / at_balls(slope[1], at)
+            b = at_balls(slope, at) * at_balls(top, at) / at_balls(bottom, at)
             count = _inward(-b / a, q)
         if count is not None:
             return count
         bits *= 2
     raise Undecided("the direction of a spatial root on the circle is open")
+
+
+def crossing_slopes(
+    problem: NormalModeProblem, family: Family, candidate: Candidate, root: FibreRoot
+) -> list[tuple[Root, int]]:
+    """The slopes v of the branches eta = v eps that cross at a spatial root on the circle, with multiplicity.
+
+    Undecided where the point is no plain crossing: a branch of zero group velocity among others, or one that bends.
+    """
+    d = root.multiplicity
+    point = _point_on_circle(problem, candidate, root.root)
+    top, bottom = outward(problem)
+    x, v = problem.coefficients.gens["x"], problem.coefficients.gens["k0"]
+    form = problem.coefficients.context.constant(0)
+    across = family.polynomial
+    for k in range(d + 1):
+        entry = across
+        for _ in range(d - k):
+            if not is_zero(point, entry):
+                raise Undecided("branches that meet on the circle do not cross")
+            entry = entry.derivative(problem.variable)
+        form += comb(d, k) * entry * top ** (d - k) * (bottom * x * v) ** k
+        across = across.derivative("x")
+    found = [(each.root, each.multiplicity) for each in fibre(point, form, "k0")]
+    if sum(count for _, count in found) < d or any(not slope.is_real or slope.is_zero for slope, _ in found):
+        raise Undecided("a branch that crosses others on the circle does not move with z, or not along the circle")
+    return found
+
+
+def _negative(slope: Root) -> bool:
+    return bool(slope.ball().real < 0)
 
 
 def _inward(ratio: acb, q: int) -> int | None:

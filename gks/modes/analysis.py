@@ -14,6 +14,7 @@ from gks.errors import InputError
 from gks.modes.admissible import Admissible, Candidate, admissible, point_of
 from gks.modes.algebraic import GUARD_BITS, Position, Root, Side, isolated_roots
 from gks.modes.coefficients import value_ball
+from gks.modes.crossing import modes_at, regular_problem
 from gks.modes.fibre import VanishesIdentically, fibre, univariate
 from gks.modes.height import zero_exponent
 from gks.modes.interior import interior_stability
@@ -41,12 +42,14 @@ def analyse(scheme: Scheme, values: Mapping[str, Fraction]) -> ModesResult:
     """
     start = perf_counter()
     problem = spatial_problem(scheme, values)
-    interior = interior_stability(problem)
+    interior, undecided = _interior(problem)
     if interior is None:
         require_square(problem)
     solvable = determines_next_level(problem) if interior is None else True
     found = _modes_beside(interior, problem)
     verdict, reason, because = _judge(interior, solvable, found.modes, found.doubts)
+    if undecided is not None and verdict is not Verdict.UNSTABLE:
+        verdict, reason, because = Verdict.UNDECIDED, "interior", f"whether it is Cauchy-stable is open: {undecided}"
     listed = tuple(sorted(found.modes, key=_order))
     kept = [mode.modulus for mode in listed if mode.kind is not ModeKind.INADMISSIBLE]
     margin = 1 - max(kept) if kept else None
@@ -69,6 +72,14 @@ def analyse(scheme: Scheme, values: Mapping[str, Fraction]) -> ModesResult:
         because,
         perf_counter() - start,
     )
+
+
+def _interior(problem: NormalModeProblem) -> tuple[str | None, str | None]:
+    """How the interior fails to be Cauchy-stable, and what keeps that from being decided; None where nothing does."""
+    try:
+        return interior_stability(problem), None
+    except Undecided as open_question:
+        return None, str(open_question)
 
 
 def quick_verdict(scheme: Scheme, values: Mapping[str, Fraction | Root]) -> Verdict:
@@ -143,17 +154,22 @@ def _modes_beside(interior: str | None, problem: NormalModeProblem) -> _Found:
 
 def _modes_found(problem: NormalModeProblem, *, inner: bool = True) -> _Found:
     """By elimination, or by counting zeros where the scheme is too wide for it."""
-    try:
-        modes, doubts = _modes(problem, inner=inner)
-    except TooWide:
-        from gks.modes.wide import VanishingDeterminant, wide_modes
+    from gks.modes.wide import VanishingDeterminant, beyond_elimination, wide_modes
 
+    if problem.coupled or not beyond_elimination(problem):
         try:
-            wide = wide_modes(problem)
-        except VanishingDeterminant:
-            raise degenerate_closure(problem) from None
-        return _Found(wide.modes, wide.doubts, wide.certified, "certified" if wide.certified else "numeric")
-    return _Found(modes, doubts, not doubts, "exact")
+            modes, doubts = _modes(problem, inner=inner)
+        except TooWide as too_wide:
+            if problem.coupled:
+                # The zeros of the determinant that the numeric route counts are not all modes of a coupled system.
+                return _Found([], [f"the interior is coupled, and {too_wide}"], False, "exact")
+        else:
+            return _Found(modes, doubts, not doubts, "exact")
+    try:
+        wide = wide_modes(problem)
+    except VanishingDeterminant:
+        raise degenerate_closure(problem) from None
+    return _Found(wide.modes, wide.doubts, wide.certified, "certified" if wide.certified else "numeric")
 
 
 def _modes(problem: NormalModeProblem, *, inner: bool = True) -> tuple[list[Mode], list[str]]:
@@ -247,12 +263,26 @@ def judge(problem: NormalModeProblem, candidate: Candidate) -> Mode:
     """
     families = [admissible(problem, family, candidate) for family in problem.families]
     space = _space(problem, families)
-    kind = ModeKind.INADMISSIBLE
-    if _has_kernel(problem, candidate, space):
-        kind = _KIND[candidate.position]
-        if candidate.position is Position.ON and any(space.limiting) and not _kernel_decays(problem, candidate, space):
-            kind = ModeKind.GENERALIZED
+    kind = _kind(problem, candidate, families, space)
     return _mode(problem, candidate, kind, space if kind is not ModeKind.INADMISSIBLE else None)
+
+
+def _kind(
+    problem: NormalModeProblem, candidate: Candidate, families: Sequence[Admissible], space: _Space
+) -> ModeKind:
+    roots = [space.roots(k) for k in range(len(problem.blocks))]
+    regular = regular_problem(problem, candidate, roots) if problem.coupled else problem
+    if regular is None:
+        modes = modes_at(problem, candidate, families)
+        decays = not any(space.limiting) or modes_at(problem, candidate, families, strict=True) == modes
+    else:
+        # Of other columns than those that were eliminated it is not known that some sheet vanishes.
+        here = candidate if regular is problem else replace(candidate, on_some_sheet=False)
+        modes = int(_has_kernel(regular, here, space))
+        decays = not modes or not any(space.limiting) or _kernel_decays(regular, here, space)
+    if not modes:
+        return ModeKind.INADMISSIBLE
+    return _KIND[candidate.position] if decays else ModeKind.GENERALIZED
 
 
 _KIND = {

@@ -14,7 +14,7 @@ the numbers of roots inside, on and outside are constant. One rational point an 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from enum import Enum
 from math import prod
@@ -40,6 +40,10 @@ from gks.modes.unimodular import arc_samples, unimodular_roots
 #: Precision up to which balls are tried for the cheap proof that all roots lie strictly inside. Beyond it the exact
 #: route decides, so only speed depends on this number.
 CHEAP_BITS = 4 * START_BITS
+
+
+DoubleRootRule = Callable[[Mapping[str, Root], Root, Root], bool]
+"""For F = det M of a coupled system: whether a multiple root on the circle, at (point, kappa, z), is harmless."""
 
 
 class Instability(Enum):
@@ -75,11 +79,17 @@ class Factors:
 
 
 def cauchy_stable(
-    poly: fmpz_mpoly, point: Mapping[str, Root] | None = None, *, z: str = "z", kappa: str = "kappa"
+    poly: fmpz_mpoly,
+    point: Mapping[str, Root] | None = None,
+    *,
+    z: str = "z",
+    kappa: str = "kappa",
+    harmless: DoubleRootRule | None = None,
 ) -> CauchyResult:
     """Decide whether the scalar scheme ``poly(z, kappa) = 0`` is Cauchy-stable.
 
-    ``point`` gives every other variable of ``poly`` a real algebraic value. Raises ValueError where ``poly`` holds no
+    ``point`` gives every other variable of ``poly`` a real algebraic value; ``harmless`` judges multiple roots on the
+    circle, which are all fatal without it. Raises ValueError where ``poly`` holds no
     z, VanishesIdentically where it is zero at the point.
     """
     if not degree_in(poly, z):
@@ -89,14 +99,26 @@ def cauchy_stable(
         return CauchyResult(False, Instability.LEADING_COEFFICIENT, Root.of(1))
     cuts = unimodular_roots(_cutting_polynomial(factors))
     for spot in (*arc_samples(cuts), *cuts):
-        failure = _failure_at(factors, spot)
+        failure = _failure_at(factors, spot, _bound(harmless, point))
         if failure is not None:
             return failure
     return CauchyResult(stable=True)
 
 
+def _bound(harmless: DoubleRootRule | None, point: Mapping[str, Root] | None) -> Callable[[Root, Root], bool]:
+    if harmless is None:
+        return lambda kappa, z: False
+    rule, at = harmless, point or {}
+    return lambda kappa, z: rule(at, kappa, z)
+
+
 def stable_as_limit(
-    poly: fmpz_mpoly, point: Mapping[str, Root] | None = None, *, z: str = "z", kappa: str = "kappa"
+    poly: fmpz_mpoly,
+    point: Mapping[str, Root] | None = None,
+    *,
+    z: str = "z",
+    kappa: str = "kappa",
+    harmless: DoubleRootRule | None = None,
 ) -> CauchyResult:
     """Like ``cauchy_stable``, at a point that is a limit of points known to be Cauchy-stable: less is left to test.
 
@@ -108,9 +130,9 @@ def stable_as_limit(
         return CauchyResult(False, Instability.LEADING_COEFFICIENT, Root.of(1))
     suspects = prod(_suspects(factors), start=fmpz_poly([1]))
     if not suspects:
-        return cauchy_stable(poly, point, z=z, kappa=kappa)
+        return cauchy_stable(poly, point, z=z, kappa=kappa, harmless=harmless)
     for spot in unimodular_roots(suspects):
-        failure = _failure_at(factors, spot)
+        failure = _failure_at(factors, spot, _bound(harmless, point))
         if failure is not None:
             return failure
     return CauchyResult(stable=True)
@@ -149,18 +171,24 @@ def _loses_a_root(poly: fmpz_mpoly, factors: Factors) -> bool:
 
 
 def semi_discrete_stable(
-    symbol: fmpz_mpoly, point: Mapping[str, Root] | None = None, *, s: str = "s", kappa: str = "kappa"
+    symbol: fmpz_mpoly,
+    point: Mapping[str, Root] | None = None,
+    *,
+    s: str = "s",
+    kappa: str = "kappa",
+    harmless: DoubleRootRule | None = None,
 ) -> CauchyResult:
     """Decide Re s <= 0, roots on the axis simple, for the scalar method of lines ``symbol(s, kappa) = 0``.
 
     The Cayley map z = (1 + s)/(1 - s) takes the left half-plane to the disk. It would put s = infinity at z = -1; that
-    is a vanishing leading coefficient, and refused first. The witness's ``z`` is the Cayley image.
+    is a vanishing leading coefficient, and refused first. The witness's ``z``, and the one that ``harmless`` is asked
+    about, is the Cayley image.
     """
     for spot in _zeros_on_circle(coefficients(symbol, s)[-1], point or {}, kappa):
         return CauchyResult(False, Instability.LEADING_COEFFICIENT, spot)
     # In the Cayley image the generator s itself can serve as z.
     cayley = under_multistep(symbol, fmpz_poly([-1, 1]), fmpz_poly([1, 1]), lam=symbol.context().constant(1), s=s, z=s)
-    return cauchy_stable(cayley, point, z=s, kappa=kappa)
+    return cauchy_stable(cayley, point, z=s, kappa=kappa, harmless=harmless)
 
 
 def factored(poly: fmpz_mpoly, point: Mapping[str, Root], *, z: str, kappa: str) -> Factors:
@@ -244,7 +272,7 @@ def _trimmed_list(factors: Factors, parts: list[fmpz_mpoly]) -> list[fmpz_mpoly]
     return parts
 
 
-def _failure_at(factors: Factors, spot: Root) -> CauchyResult | None:
+def _failure_at(factors: Factors, spot: Root, harmless: Callable[[Root, Root], bool]) -> CauchyResult | None:
     """What goes wrong at one unimodular kappa, None if nothing does."""
     here = {**factors.point, factors.kappa: spot}
     on_circle: dict[Root, int] = {}
@@ -257,9 +285,10 @@ def _failure_at(factors: Factors, spot: Root) -> CauchyResult | None:
             if found.position is Position.OUTSIDE:
                 return CauchyResult(False, Instability.GROWING, spot, found.root)
             if found.position is Position.ON:
-                if found.multiplicity * power > 1 or found.root in on_circle:
-                    return CauchyResult(False, Instability.DOUBLE_ROOT, spot, found.root)
-                on_circle[found.root] = 1
+                on_circle[found.root] = on_circle.get(found.root, 0) + found.multiplicity * power
+    for root, multiplicity in on_circle.items():
+        if multiplicity > 1 and not harmless(spot, root):
+            return CauchyResult(False, Instability.DOUBLE_ROOT, spot, root)
     return None
 
 

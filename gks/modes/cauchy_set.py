@@ -19,7 +19,16 @@ from itertools import combinations, pairwise
 from flint import ctx, fmpz_mpoly, fmpz_mpoly_ctx, fmpz_poly
 
 from gks.modes.algebraic import GUARD_BITS, START_BITS, Root, isolated_roots, primitive
-from gks.modes.cauchy import Factors, cauchy_stable, cuts_of, degree_in, factored, reciprocal_in, stable_as_limit
+from gks.modes.cauchy import (
+    DoubleRootRule,
+    Factors,
+    cauchy_stable,
+    cuts_of,
+    degree_in,
+    factored,
+    reciprocal_in,
+    stable_as_limit,
+)
 from gks.modes.factoring import irreducible_factors
 from gks.modes.fibre import Point, VanishesIdentically, coefficients, norm, specialise, univariate
 from gks.modes.unimodular import by_real_part, rational_ends, simplest_between
@@ -66,14 +75,21 @@ class CauchySet:
 
 
 def cauchy_set(
-    poly: fmpz_mpoly, point: Point | None = None, *, z: str = "z", kappa: str = "kappa", lam: str = "lam"
+    poly: fmpz_mpoly,
+    point: Point | None = None,
+    *,
+    z: str = "z",
+    kappa: str = "kappa",
+    lam: str = "lam",
+    harmless: DoubleRootRule | None = None,
 ) -> CauchySet:
     """The stable set in ``lam`` of the scalar scheme ``poly(z, kappa, lam) = 0``; ``point`` fixes all other variables.
 
-    Results without a ``point`` are remembered.
+    ``harmless`` judges multiple roots z on the circle, as in ``cauchy_stable``. Results without it and without a
+    ``point`` are remembered.
     """
-    if point:
-        return _cauchy_set(poly, point, z, kappa, lam)
+    if point or harmless is not None:
+        return _cauchy_set(poly, point or {}, z, kappa, lam, harmless)
     terms = tuple((powers, int(coefficient)) for powers, coefficient in poly.to_dict().items())
     return _remembered(poly.context().names(), terms, z, kappa, lam)
 
@@ -82,16 +98,18 @@ def cauchy_set(
 def _remembered(
     names: tuple[str, ...], terms: tuple[tuple[tuple[int, ...], int], ...], z: str, kappa: str, lam: str
 ) -> CauchySet:
-    return _cauchy_set(fmpz_mpoly_ctx.get(names, "lex").from_dict(dict(terms)), {}, z, kappa, lam)
+    return _cauchy_set(fmpz_mpoly_ctx.get(names, "lex").from_dict(dict(terms)), {}, z, kappa, lam, None)
 
 
-def _cauchy_set(poly: fmpz_mpoly, point: Point, z: str, kappa: str, lam: str) -> CauchySet:
+def _cauchy_set(
+    poly: fmpz_mpoly, point: Point, z: str, kappa: str, lam: str, harmless: DoubleRootRule | None
+) -> CauchySet:
     def stable(at: Root) -> bool:
-        return cauchy_stable(poly, {**point, lam: at}, z=z, kappa=kappa).stable
+        return cauchy_stable(poly, {**point, lam: at}, z=z, kappa=kappa, harmless=harmless).stable
 
     def keeps(end: Root) -> bool:
         try:
-            return stable_as_limit(poly, {**point, lam: end}, z=z, kappa=kappa).stable
+            return stable_as_limit(poly, {**point, lam: end}, z=z, kappa=kappa, harmless=harmless).stable
         except VanishesIdentically:
             # Here the equation says nothing, so the new level is not determined.
             return False

@@ -30,6 +30,7 @@ from gks.modes.resolvent import Resolvent
 from gks.scheme.model import HalfLine, NamedLines, NamedScheme, WrittenDiscrete, WrittenLines
 from gks.scheme.operators import discrete_stencil, stencil
 
+
 def fields_of(half_line: HalfLine, coefficients: Coefficients, resolvent: Resolvent) -> list[Field]:
     """The characteristic fields of one half-line, in a fixed order.
 
@@ -118,12 +119,12 @@ def _written_fields(half_line: HalfLine, coefficients: Coefficients, resolvent: 
             Field(half_line.name, tuple(unit[k]), _scalar(matrices, k, coefficients, resolvent, half_line), None)
             for k in range(size)
         ]
-    known = len(coefficients.generators)
+    generators, inverted = list(coefficients.generators), dict(coefficients.inverted)
     try:
         return _joint_fields(half_line, matrices, coefficients, resolvent)
     except (NotAnalysable, ParameterError):
-        # Irrational eigenvalues that the attempt adjoined are of no use to the coupled system.
-        del coefficients.generators[known:]
+        # What the attempt adjoined and divided by is of no account to the coupled system.
+        coefficients.generators, coefficients.inverted = generators, inverted
         return coupled_fields(half_line, coefficients, resolvent)
 
 

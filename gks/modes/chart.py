@@ -2,13 +2,13 @@
 
 - z itself: z = 1/w.
 - s under a linear multistep method: z = 1/w and lam*s = rho(z)/sigma(z), with no pole for abs(z) > 1.
-- s under a Runge-Kutta method: z = 1/w and lam*s one of the roots mu of R(mu) = z. The set abs(R) > 1 is connected (R has
-  no pole, so by the maximum principle each of its components reaches infinity), and a product over all the roots mu is
-  a function of w that has no branch points.
+- s under a Runge-Kutta method: z = 1/w and lam*s one of the roots mu of R(mu) = z. The set abs(R) > 1 is connected (R
+  has no pole, so by the maximum principle each of its components reaches infinity), and a product over all the roots mu
+  is a function of w that has no branch points.
 - s for the semi-discrete problem: lam*s = (1 + w)/(1 - w), which takes the disc to Re s >= 0.
 
-The point at infinity is a point like any other, since values of lam*s (or z) are quotients a/b: a polynomial of degree d
-in the variable is evaluated as sum_i c_i a**i b**(d-i). The pair (a, b) is analytic for abs(w) < 1 and has no common
+The point at infinity is a point like any other, since values of lam*s (or z) are quotients a/b: a polynomial of degree
+d in the variable is evaluated as sum_i c_i a**i b**(d-i). The pair (a, b) is analytic for abs(w) < 1 and has no common
 zeros, so it adds no zeros to a determinant. (For Runge-Kutta b = 1/(mu + 1): the product of all mu + 1 is z - R(-1) up
 to a constant, and abs(R(-1)) < 1.)
 """
@@ -38,7 +38,7 @@ class Chart:
     @property
     def branches(self) -> int:
         """How many values of the variable belong to one w."""
-        return len(self.method.stability) - 1 if self._runge_kutta else 1
+        return len(self.method.stability) - 1 if self.method is not None and self._runge_kutta else 1
 
     @property
     def _runge_kutta(self) -> bool:
@@ -54,7 +54,7 @@ class Chart:
         return approximate(self._over(Jets.exact(node)).value.mid, start)
 
     def images(self, w: Jets, stages: ComplexArray) -> tuple[Jets, Jets]:
-        """The pair (a, b) over discs w (N,), all branches one after the other; ``stages`` belong to points of the discs."""
+        """The pair (a, b) over discs w (N,), all branches one after the other; ``stages`` belong to points in them."""
         one = Jets.exact(np.ones(w.value.mid.shape, complex))
         if self.method is None:
             return one, w
@@ -70,7 +70,7 @@ class Chart:
         return mu * scale, scale
 
     def covers(self, w: Discs, stages: ComplexArray) -> Discs | None:
-        """Disjoint discs (branches,) around the roots mu over one disc of w (1,); None where they are not kept apart."""
+        """Disjoint discs (branches,) around the roots mu over one disc of w (1,); None where they are not disjoint."""
         if not self._runge_kutta:
             return Discs.exact(np.empty(0, complex))
         found = root_discs(self._over(Jets(w, Discs.exact(np.ones(1, complex)))).value, stages)

@@ -25,7 +25,7 @@ from fractions import Fraction
 from flint import fmpz_mpoly
 
 from gks.errors import NotAnalysable
-from gks.modes.algebraic import Position, Root
+from gks.modes.algebraic import Root
 from gks.modes.coefficients import Coefficients, Ratio, common_denominator
 from gks.modes.determinant import determinant
 from gks.modes.fibre import VanishesIdentically, fibre, is_zero, specialise
@@ -199,7 +199,7 @@ def _holds_at_sample(symbol: fmpz_mpoly, column: Sequence[fmpz_mpoly], coefficie
     """That c vanishes at no root of D at one arbitrary sigma. Greatest common factors do not know that a generator's
     relation holds; this does.
     """
-    if not coefficients.generators:
+    if not coefficients.generators or any(each.root is None for each in coefficients.generators):
         return True
     names = {"s": Fraction(17, 7), "z": Fraction(17, 7)}
     names |= {coefficients.variable(s): Fraction(23, 19) for s in coefficients.symbols}
@@ -218,6 +218,3 @@ def trial_vectors(size: int) -> Iterator[list[int]]:
         yield [int(j == k) for j in range(size)]
     for k in range(1, 4):
         yield [(j + 1) ** k for j in range(size)]
-
-
-__all__ = ["CoupledField", "Position", "System", "ValueField", "coupled_fields", "trial_vectors"]

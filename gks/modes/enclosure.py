@@ -1,9 +1,9 @@
 """Single zeros of Delta, in balls: polished to any precision, and proved.
 
-Delta is evaluated together with its derivative in mu (lam*s, or z) as a dual number of balls. With X a ball and x0 in it,
-the interval Newton step N = x0 - Delta(x0)/Delta'(X) holds every zero in X; N inside X proves that there is exactly one,
-a simple one (Moore, Interval Analysis, 1966; for analytic functions of one complex variable as for real ones, since
-Delta(x) - Delta(x0) = (x - x0) times a mean of Delta' over the segment, which lies in the convex enclosure of Delta'(X)).
+Delta is evaluated together with its derivative in mu (lam*s, or z) as a dual number of balls. With X a ball and x0 in
+it, the interval Newton step N = x0 - Delta(x0)/Delta'(X) holds every zero in X; N inside X proves just one, a
+simple one (Moore, Interval Analysis, 1966; for an analytic function as for a real one, since Delta(x) - Delta(x0)
+is x - x0 times a mean of Delta' over the segment between them, which lies in the convex enclosure of Delta'(X)).
 """
 
 from __future__ import annotations
@@ -62,8 +62,8 @@ class SpatialRoots:
         return all(abs(x.value) < 1 for x in self.decaying) and all(abs(x) > 1 for x in self.others)
 
 
-def spatial_roots(symbol: Symbol[acb], mu: acb, hints: Sequence[complex]) -> SpatialRoots:
-    """Encloses the roots of a family over a ball, the decaying ones first among the ``hints``, which approximate them all.
+def spatial_roots(symbol: Symbol, mu: acb, hints: Sequence[complex]) -> SpatialRoots:
+    """Encloses the roots of a family over a ball; ``hints`` approximate them all, the decaying ones first.
 
     Raises NotEnclosed where a decaying root is not separated from the others.
     """
@@ -144,7 +144,7 @@ def _radii(coefficients: Sequence[acb], centres: Sequence[acb]) -> list[arb]:
 
 
 def root_near(coefficients: Sequence[acb], starts: Sequence[complex], near: complex) -> acb:
-    """A ball around the root of a polynomial closest to a point; NotEnclosed where it is not kept apart from the others."""
+    """A ball around the root of a polynomial closest to a point; NotEnclosed where another one overlaps it."""
     centres = _polished([c.mid() for c in coefficients], [acb(x) for x in starts])
     balls = [_ball(c, r) for c, r in zip(centres, _radii(coefficients, centres), strict=True)]
     k = min(range(len(balls)), key=lambda j: abs(complex(centres[j]) - near))
@@ -156,7 +156,7 @@ def root_near(coefficients: Sequence[acb], starts: Sequence[complex], near: comp
 # The determinant ------------------------------------------------------------------------------------------------------
 
 
-def delta(tables: Tables[acb], mu: acb, roots: Sequence[SpatialRoots]) -> Dual:
+def delta(tables: Tables, mu: acb, roots: Sequence[SpatialRoots]) -> Dual:
     """Delta and its derivative over a ball of mu, in the Newton basis of the decaying roots."""
     variable = Dual(mu, acb(1))
     columns = []
@@ -167,7 +167,7 @@ def delta(tables: Tables[acb], mu: acb, roots: Sequence[SpatialRoots]) -> Dual:
     return determinant(matrix)
 
 
-def _turned_back(symbol: Symbol[acb], y: Dual) -> Dual:
+def _turned_back(symbol: Symbol, y: Dual) -> Dual:
     """x = (y + c)/(1 + conj(c) y)."""
     if not symbol.turn:
         return y
@@ -175,7 +175,7 @@ def _turned_back(symbol: Symbol[acb], y: Dual) -> Dual:
     return (y + turn) / (ONE + back * y)
 
 
-def kappas(tables: Tables[acb], roots: Sequence[SpatialRoots]) -> tuple[tuple[acb, ...], ...]:
+def kappas(tables: Tables, roots: Sequence[SpatialRoots]) -> tuple[tuple[acb, ...], ...]:
     """The decaying roots x of every family."""
     return tuple(
         tuple(_turned_back(symbol, y).value for y in mine.decaying)
@@ -183,7 +183,7 @@ def kappas(tables: Tables[acb], roots: Sequence[SpatialRoots]) -> tuple[tuple[ac
     )
 
 
-def _line(row: Row[acb], columns: Sequence[Sequence[Sequence[Dual]]], mu: Dual) -> list[Dual]:
+def _line(row: Row, columns: Sequence[Sequence[Sequence[Dual]]], mu: Dual) -> list[Dual]:
     weights = [
         (e.block, e.n, Dual(_at(e.coefficient, mu.value), _slope_at(e.coefficient, mu.value))) for e in row.entries
     ]
@@ -230,7 +230,7 @@ class Zero:
     roots: tuple[SpatialRoots, ...]
 
 
-def newton_step(tables: Tables[acb], mu: acb, hints: Sequence[Sequence[complex]]) -> tuple[acb, list[list[complex]]]:
+def newton_step(tables: Tables, mu: acb, hints: Sequence[Sequence[complex]]) -> tuple[acb, list[list[complex]]]:
     """Delta'/Delta at a point (approximately), and the spatial roots there as the next hints."""
     point = mu.mid()
     roots = [spatial_roots(s, point, h) for s, h in zip(tables.symbols, hints, strict=True)]
@@ -243,7 +243,7 @@ def as_hints(roots: SpatialRoots) -> list[complex]:
     return [complex(x.value) for x in roots.decaying] + [complex(x) for x in roots.others]
 
 
-def enclose(tables: Tables[acb], mu: acb, hints: Sequence[Sequence[complex]], bits: int) -> Zero:
+def enclose(tables: Tables, mu: acb, hints: Sequence[Sequence[complex]], bits: int) -> Zero:
     """Proves a simple zero close to a good approximation; NotEnclosed where the Newton test fails."""
     with ctx.workprec(bits + GUARD_BITS):
         centre, value = _refined(tables, mu.mid(), hints, bits)
@@ -256,7 +256,7 @@ def enclose(tables: Tables[acb], mu: acb, hints: Sequence[Sequence[complex]], bi
         return Zero(image, tuple(spatial_roots(s, image, h) for s, h in zip(tables.symbols, hints, strict=True)))
 
 
-def _refined(tables: Tables[acb], centre: acb, hints: Sequence[Sequence[complex]], bits: int) -> tuple[acb, Dual]:
+def _refined(tables: Tables, centre: acb, hints: Sequence[Sequence[complex]], bits: int) -> tuple[acb, Dual]:
     """Newton steps up to the precision asked for: the exact point reached, and Delta there."""
     goal = arb(2) ** (4 - bits)
     for _ in range(bits.bit_length() + 4):  # quadratic convergence: each step doubles the digits
@@ -270,6 +270,5 @@ def _refined(tables: Tables[acb], centre: acb, hints: Sequence[Sequence[complex]
     raise NotEnclosed("Newton's method does not settle")
 
 
-def _value(tables: Tables[acb], mu: acb, hints: Sequence[Sequence[complex]]) -> Dual:
+def _value(tables: Tables, mu: acb, hints: Sequence[Sequence[complex]]) -> Dual:
     return delta(tables, mu, [spatial_roots(s, mu, h) for s, h in zip(tables.symbols, hints, strict=True)])
-

@@ -7,8 +7,8 @@ Newton basis, which may begin with them. Then
 
 - the kernel of these columns at the point is a kernel of the whole matrix, and all of it if balls prove the rank of the
   whole matrix to be no smaller;
-- Delta vanishes at the point at least to the order to which all maximal minors of these columns vanish (expand along the
-  other columns). An upper bound of the order is another module's matter: a count of zeros close by.
+- Delta vanishes at the point at least to the order to which all maximal minors of these columns vanish (expand along
+  the other columns). An upper bound of the order is another module's matter: a count of zeros close by.
 """
 
 from __future__ import annotations
@@ -57,12 +57,10 @@ def exact_point(problem: NormalModeProblem, candidate: Candidate, most: int) -> 
     return ExactPoint(kind, _order(all_columns, most + 1), families)
 
 
-# The whole matrix, in balls ---------------------------------------------------------------------------------------------
+# The whole matrix, in balls -------------------------------------------------------------------------------------------
 
 
-def _ball_matrix(
-    problem: NormalModeProblem, candidate: Candidate, families: Sequence[Admissible]
-) -> list[list[acb]]:
+def _ball_matrix(problem: NormalModeProblem, candidate: Candidate, families: Sequence[Admissible]) -> list[list[acb]]:
     roots = []
     for block in problem.blocks:
         family = families[block.family]
@@ -90,7 +88,7 @@ def _certain_rank(matrix: list[list[acb]]) -> int:
         return rank
 
 
-# The rational columns ---------------------------------------------------------------------------------------------------
+# The rational columns -------------------------------------------------------------------------------------------------
 
 Power = fmpq_poly
 """A power series in t = sigma - sigma_0, cut off."""
@@ -212,7 +210,7 @@ def _nullity(columns: Sequence[Sequence[Power]]) -> int:
 
 
 def _order(columns: Sequence[Sequence[Power]], length: int) -> int:
-    """The lowest order to which a maximal minor vanishes, by elimination with the pivot of lowest order; at most ``length``."""
+    """The lowest order to which a maximal minor vanishes (at most ``length``), by pivots of lowest order."""
     rows = [list(column) for column in columns]
     total = 0
     while rows:
@@ -244,4 +242,3 @@ def rational_candidate(problem: NormalModeProblem, z: int) -> Candidate | None:
         one = None if problem.time_map is None else Root.of(1)
         return Candidate(Root.of(0), one, 1, Position.ON)
     return None
-

@@ -26,11 +26,11 @@ def zero_exponent(problem: NormalModeProblem, sigma: Root | None) -> float:
     """E such that every minor of the Kreiss matrix at sigma is 0 or larger than 2**-E; sigma None is the point z =
     oo.
     """
-    heights = {problem.variable: _conjugate_heights(sigma)} if sigma is not None else {problem.variable: [0.0]}
+    heights = {problem.variable: conjugate_heights(sigma)} if sigma is not None else {problem.variable: [0.0]}
     conjugates = 1
     for generator in problem.coefficients.generators:
         if generator.root is not None:
-            mine = _conjugate_heights(generator.root.minimal)
+            mine = conjugate_heights(generator.root.minimal)
             heights[generator.name] = [max(mine)]
             conjugates *= len(mine)
     x = problem.coefficients.context.names().index("x")
@@ -46,7 +46,7 @@ def zero_exponent(problem: NormalModeProblem, sigma: Root | None) -> float:
     return conjugates * sum(bounds) + max(bounds)
 
 
-def _conjugate_heights(root: Root) -> list[float]:
+def conjugate_heights(root: Root) -> list[float]:
     """log2 max(1, L, abs(L x)) for every conjugate x."""
     minimal = root.minimal
     lead = abs(int(minimal.poly.leading_coefficient()))
@@ -71,7 +71,7 @@ def _log2_upper(root: Root) -> float:
     return _log2_integer(abs(int(mantissa))) + int(exponent)
 
 
-def _norm(polynomials: Iterable[fmpz_mpoly]) -> float:
+def norm_bits(polynomials: Iterable[fmpz_mpoly]) -> float:
     """log2 of the sum of the absolute values of all coefficients."""
     total = sum(abs(int(c)) for p in polynomials for c in p.coeffs())
     return _log2_integer(total) if total else 0.0
@@ -86,16 +86,16 @@ def _minor_bound(problem: NormalModeProblem, heights: dict[str, float]) -> float
     names = problem.coefficients.context.names()
     size = problem.size
     total = lgamma(size + 1) / log(2)
-    scales = [_norm([f.polynomial]) + _weight(f.polynomial, names, heights) + _SLACK for f in problem.families]
+    scales = [norm_bits([f.polynomial]) + _weight(f.polynomial, names, heights) + _SLACK for f in problem.families]
     for row in problem.rows:
         if not row:
             continue
-        total += _norm(t.coefficient for t in row) + max(_weight(t.coefficient, names, heights) for t in row) + _SLACK
+        total += norm_bits(t.coefficient for t in row) + _SLACK
+        total += max(_weight(t.coefficient, names, heights) for t in row)
         reach: dict[int, int] = {}
         for term in row:
             family = problem.blocks[term.block].family
             reach[family] = max(reach.get(family, 0), term.n)
-            total += 0.0
         # A divided difference of x**n over d roots has at most 2**(n+d) monomials.
         total += max(term.n + problem.blocks[term.block].width for term in row)
         total += sum(n * scales[family] for family, n in reach.items())

@@ -6,14 +6,19 @@ from math import lcm
 
 from flint import fmpq, fmpq_poly, fmpz_mpoly, fmpz_poly
 
+from gks.errors import NotAnalysable
 from gks.modes.algebraic import Root
 from gks.modes.amplification import under_multistep, under_runge_kutta
-from gks.modes.cauchy import CauchyResult, Instability, cauchy_stable, semi_discrete_stable
+from gks.modes.cauchy import CauchyResult, Instability, cauchy_stable, degree_in, semi_discrete_stable
 from gks.modes.cauchy_set import CauchyInterval, CauchySet, cauchy_set
 from gks.modes.coefficients import Coefficients, common_denominator
+from gks.modes.coupled import CoupledField
+from gks.modes.field import Field
 from gks.modes.kreiss import NormalModeProblem
 from gks.modes.numerals import modulus_of, text_real
 from gks.modes.resolvent import Resolvent
+from gks.modes.semisimple import DoubleRoots
+from gks.modes.undecided import Undecided
 from gks.scheme.integrators import Polynomial
 
 
@@ -26,7 +31,7 @@ def interior_stability(problem: NormalModeProblem) -> str | None:
         if key in seen:
             continue
         seen.add(key)
-        result = _judge(symbol, problem)
+        result = _judge(symbol, block.field, problem)
         if not result.stable:
             return (
                 f"in domain {block.field.domain}, {_WORDS[result.reason]}{_where(result)}"
@@ -98,29 +103,56 @@ def _rescaled(symbol: fmpz_mpoly, scale: int) -> fmpz_mpoly:
     )
 
 
-def _judge(symbol: fmpz_mpoly, problem: NormalModeProblem) -> CauchyResult:
-    point = problem.coefficients.point()
+def _rule(field: Field, problem: NormalModeProblem) -> DoubleRoots | None:
+    """What judges multiple roots on the circle: a coupled system may have some, a scalar field none."""
+    return DoubleRoots(problem, field.system) if isinstance(field, CoupledField) else None
+
+
+def _undetermined(field: Field, symbol: fmpz_mpoly, problem: NormalModeProblem) -> bool:
+    """Whether the leading coefficients of a coupled system leave the new level open for every wave."""
+    if not isinstance(field, CoupledField):
+        return False
+    return degree_in(symbol, problem.variable) < field.system.row_degree(problem.variable)
+
+
+def _judge(symbol: fmpz_mpoly, field: Field, problem: NormalModeProblem) -> CauchyResult:
+    if _undetermined(field, symbol, problem):
+        return CauchyResult(False, Instability.LEADING_COEFFICIENT, Root.of(1))
+    point, rule = problem.coefficients.point(), _rule(field, problem)
     method = problem.resolvent.integrator
     if method is not None and method.kind == "exact":
-        return semi_discrete_stable(symbol, point, kappa="x")
-    return cauchy_stable(amplification(symbol, problem.coefficients, problem.resolvent), point, kappa="x")
+        return semi_discrete_stable(symbol, point, kappa="x", harmless=rule)
+    polynomial = amplification(symbol, problem.coefficients, problem.resolvent)
+    return cauchy_stable(polynomial, point, kappa="x", harmless=rule)
 
 
 def interior_limits(problem: NormalModeProblem) -> list[CauchySet]:
     """The Cauchy-stable lam of every field; ``problem`` has lam as a symbol.
 
-    Under `exact` lam plays no part: the set is everything or nothing.
+    Under `exact` lam plays no part: the set is everything or nothing. NotAnalysable where a coupled system stays open.
     """
+    try:
+        return list(_limits(problem).values())
+    except Undecided as reason:
+        raise NotAnalysable(f"the Cauchy stability of the interior is not decided: {reason}") from None
+
+
+def _limits(problem: NormalModeProblem) -> dict[tuple[bool, str], CauchySet]:
     method = problem.resolvent.integrator
     lam = problem.coefficients.variable(problem.resolvent.cfl)
-    sets: dict[str, CauchySet] = {}
+    sets: dict[tuple[bool, str], CauchySet] = {}
     for block in problem.blocks:
         symbol = field_symbol(block.field, problem.coefficients)
-        if method is not None and method.kind == "exact":
-            stable = semi_discrete_stable(symbol, problem.coefficients.point(), kappa="x").stable
-            sets[str(symbol)] = CauchySet((CauchyInterval(Root.of(0), None, False, False),) if stable else ())
+        key = isinstance(block.field, CoupledField), str(symbol)
+        if key in sets:
             continue
-        polynomial = amplification(symbol, problem.coefficients, problem.resolvent)
-        if str(polynomial) not in sets:
-            sets[str(polynomial)] = cauchy_set(polynomial, problem.coefficients.point(), kappa="x", lam=lam)
-    return list(sets.values())
+        if method is not None and method.kind == "exact":
+            stable = _judge(symbol, block.field, problem).stable
+            sets[key] = CauchySet((CauchyInterval(Root.of(0), None, False, False),) if stable else ())
+        elif _undetermined(block.field, symbol, problem):
+            sets[key] = CauchySet(())
+        else:
+            polynomial = amplification(symbol, problem.coefficients, problem.resolvent)
+            point, rule = problem.coefficients.point(), _rule(block.field, problem)
+            sets[key] = cauchy_set(polynomial, point, kappa="x", lam=lam, harmless=rule)
+    return sets

@@ -31,9 +31,11 @@ from gks.errors import SchemeError, Where
 from gks.modes.algebraic import Position, Root
 from gks.modes.characteristic import fields_of
 from gks.modes.coefficients import Coefficients, Ratio, common_denominator
+from gks.modes.coupled import CoupledField
 from gks.modes.factoring import irreducible_factors
 from gks.modes.fibre import at_balls, fibre, specialise
 from gks.modes.fibre import coefficients as powers_of
+from gks.modes.field import Field, mirrored
 from gks.modes.resolvent import Resolvent, characteristic, resolvent_of
 from gks.modes.unimodular import rational_ends
 from gks.scheme.expression import Expr
@@ -107,6 +109,15 @@ class NormalModeProblem:
     def variable(self) -> str:
         return self.resolvent.name
 
+    @property
+    def coupled(self) -> bool:
+        """Whether a half-line has a system that no basis separates."""
+        return any(isinstance(block.field, CoupledField) for block in self.blocks)
+
+    def ghosts(self, domain: str) -> int:
+        """How many grid points lie below the first cell that the interior scheme gives."""
+        return self.scheme.half_line(domain).first - self.lowest[domain]
+
 
 def normal_mode_problem(
     scheme: Scheme, values: Mapping[str, Fraction | Root], symbols: Sequence[str] = ()
@@ -134,11 +145,7 @@ def spatial_problem(
         ghosts = half_line.first - lowest[half_line.name]
         for each in fields_of(half_line, coefficients, resolvent):
             blocks.append(_block(each, ghosts, families, coefficients, resolvent))
-    rows = [
-        _row(form.terms, scheme, lowest, blocks, coefficients, resolvent)
-        for form in (e.form for e in scheme.closure.equations)
-    ]
-    rows += _unread(scheme, lowest, blocks, coefficients)
+    rows = closure_rows(scheme, lowest, [block.field for block in blocks], coefficients, resolvent)
     time_map = None
     if resolvent.integrator is not None and resolvent.integrator.kind != "exact":
         time_map = characteristic(resolvent.integrator, coefficients, scheme.cfl)
@@ -218,8 +225,19 @@ def _decaying(polynomial: fmpz_mpoly, coefficients: Coefficients, resolvent: Res
     return sum(root.multiplicity for root in roots if root.position is Position.INSIDE)
 
 
+def closure_rows(
+    scheme: Scheme, lowest: Mapping[str, int], fields: Sequence[Field], coefficients: Coefficients, resolvent: Resolvent
+) -> list[tuple[Term, ...]]:
+    """The closure in terms of the fields, a row for each equation, and for each value that nothing reads."""
+    rows = [
+        _row(equation.form.terms, scheme, lowest, fields, coefficients, resolvent)
+        for equation in scheme.closure.equations
+    ]
+    return rows + _unread(scheme, lowest, fields, coefficients)
+
+
 def _row(
-    terms: Sequence[tuple[GridValue, Expr]], scheme: Scheme, lowest: Mapping[str, int], blocks: Sequence[Block],
+    terms: Sequence[tuple[GridValue, Expr]], scheme: Scheme, lowest: Mapping[str, int], fields: Sequence[Field],
     coefficients: Coefficients, resolvent: Resolvent,
 ) -> tuple[Term, ...]:  # fmt: skip
     base = min(value.level for value, _ in terms)
@@ -231,10 +249,12 @@ def _row(
         if value.derivative:
             weight = weight * resolvent.of(value.domain)
         component = half_line.unknowns.index(value.unknown)
-        for k, block in enumerate(blocks):
-            if block.field.domain == value.domain and not block.field.vector[component].is_zero():
-                share = weight * block.field.vector[component]
-                entries[k, n] = entries[k, n] + share if (k, n) in entries else share
+        for k, field in enumerate(fields):
+            if field.domain != value.domain:
+                continue
+            for place, factor in field.share(component, n, half_line.first - lowest[value.domain]):
+                share = weight * factor
+                entries[k, place] = entries[k, place] + share if (k, place) in entries else share
     return _cleared(entries, coefficients)
 
 
@@ -245,21 +265,23 @@ def _cleared(entries: Mapping[tuple[int, int], Ratio], coefficients: Coefficient
 
 
 def _unread(
-    scheme: Scheme, lowest: Mapping[str, int], blocks: Sequence[Block], coefficients: Coefficients
+    scheme: Scheme, lowest: Mapping[str, int], fields: Sequence[Field], coefficients: Coefficients
 ) -> list[tuple[Term, ...]]:
     """Pins the grid points that only the common indexing of a half-line's unknowns brings in: nothing reads them."""
     rows = []
     known = {(v.domain, v.unknown, v.index) for v in scheme.boundary_unknowns}
     for half_line in scheme.domains:
-        for place in range(lowest[half_line.name], half_line.first):
-            index = mirrored(half_line, place)
+        ghosts = half_line.first - lowest[half_line.name]
+        for n in range(ghosts):
+            index = mirrored(half_line, n + lowest[half_line.name])
             for component, unknown in enumerate(half_line.unknowns):
                 if (half_line.name, unknown, index) in known:
                     continue
                 entries = {
-                    (k, place - lowest[half_line.name]): block.field.vector[component]
-                    for k, block in enumerate(blocks)
-                    if block.field.domain == half_line.name
+                    (k, place): factor
+                    for k, field in enumerate(fields)
+                    if field.domain == half_line.name
+                    for place, factor in field.share(component, n, ghosts)
                 }
                 rows.append(_cleared(entries, coefficients))
     return rows

@@ -6,32 +6,32 @@ discs to another while w moves in B. From the roots follows the Kreiss matrix M(
 approximate inverse of M at the node, R M(w) = I + E(w), and rho_i the row sums of abs(E) over B,
 
     abs(det(R M(w)) - 1) <= prod_i (1 + rho_i) - 1        (expand in principal minors),
+                         <= exp(abs(tr E) - log(1 - f) - f) - 1,        f = norm(E, Frobenius) < 1
 
-so if that is below 1, Delta has no zero in B (where abs(w) <= 1) and stays within a right angle of its value at the node.
+(log det(I + E) = tr E - tr E**2/2 + ..., and abs(tr E**k) <= f**k from k = 2 on). If one of them is below 1, Delta has
+no zero in B (where abs(w) <= 1) and stays within a right angle of its value at the node.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gks.modes.chart import Chart
-from gks.modes.discs import PRODUCT, UNIT, UP, Array, ComplexArray, Discs, Jets, Ring, joined, linear_combination, powers
+from gks.modes.discs import PRODUCT, UNIT, UP, Array, ComplexArray, Discs, Jets, Ring, joined, powers
 from gks.modes.rootdiscs import Mask, RootDiscs, approximate, root_discs
 from gks.modes.rootdiscs import branches as branches_of
-from gks.modes.tables import Symbol, Tables
-
+from gks.modes.tables import DiscRows, DiscSymbol, DiscTables
 
 Index = NDArray[np.intp]
 
 
 @dataclass(frozen=True, slots=True)
 class Start:
-    """Where root finding starts at the points of a batch: roots mu of the integrator, and spatial roots of each family."""
+    """Where root finding starts at the points of a batch: roots mu of the integrator, spatial roots of each family."""
 
     stages: ComplexArray
     """(N, branches), without columns where the chart needs none."""
@@ -51,10 +51,10 @@ class Start:
 
 @dataclass(frozen=True, slots=True)
 class Patch:
-    """Delta over N discs. phase : of Delta at the nodes; log : (N, branches), of the modulus of each branch's factor.
+    """Delta over N discs. phase : its phase at the nodes; log : (N, branches), of each branch's modulus.
 
-    change : (N,), at least abs(Delta(w)/Delta(node) - 1), infinite where nothing is proved. relative : abs(Delta) at the
-    node over the product of its rows' lengths (1 for orthogonal rows), the least of the branches.
+    change : (N,), at least abs(Delta(w)/Delta(node) - 1), infinite where nothing is proved. relative : abs(Delta) at
+    the node over the product of its rows' lengths (1 for orthogonal rows), the least of the branches.
     """
 
     phase: Array
@@ -65,8 +65,8 @@ class Patch:
 
     def take(self, index: Index) -> Patch:
         """The points at the places given."""
-        parts = (each[index] for each in (self.phase, self.log, self.change, self.relative))
-        return Patch(*parts, self.start.take(index))
+        phase, log, change, relative = (each[index] for each in (self.phase, self.log, self.change, self.relative))
+        return Patch(phase, log, change, relative, self.start.take(index))
 
     @staticmethod
     def join(parts: Sequence[Patch]) -> Patch:
@@ -115,9 +115,7 @@ class Region:
             return bool((np.abs(discs.mid - root[0]) * UP + root[1] < discs.rad * (2 - UP)).any())
 
         for branch in range(len(mine.discs.mid)):
-            here = mine.discs.apply(lambda x, branch=branch: x[branch])  # type: ignore[misc]
-            inner = here.apply(lambda x: x[: mine.decaying])
-            outer = here.apply(lambda x: x[mine.decaying :])
+            inner, outer = mine.discs[branch, : mine.decaying], mine.discs[branch, mine.decaying :]
             if all(within(x, inner) for x in decaying) and all(within(x, outer) for x in others):
                 return True
         return False
@@ -135,12 +133,12 @@ class Region:
         decaying = within[..., : mine.decaying].any(axis=-1)
         other = within[..., mine.decaying :].any(axis=-1)
         shape = found.centre.shape
-        return decaying.reshape(shape), (decaying ^ other).reshape(shape).all(axis=1)
+        return np.asarray(decaying).reshape(shape), _all(np.asarray(decaying ^ other).reshape(shape))
 
 
 @np.errstate(all="ignore")  # infinite discs give nan, and a nan proves nothing
 def patch(
-    tables: Tables[Discs],
+    tables: DiscTables,
     chart: Chart,
     disc: Discs,
     node: ComplexArray,
@@ -167,7 +165,7 @@ def patch(
         spatial.append(np.take_along_axis(centre, order, axis=1))
         coefficients = _symbol(symbol, over)
         found = branches_of(coefficients, root_discs(coefficients.value, spatial[k]))
-        roots.append(_turned_back(symbol, found.apply(lambda each, count=symbol.decaying: each[:, :count])))  # type: ignore[misc]
+        roots.append(_turned_back(symbol, found[:, : symbol.decaying]))
     nodes = [
         _turned_back(symbol, Discs.exact(y[:, : symbol.decaying]))
         for y, symbol in zip(spatial, tables.symbols, strict=True)
@@ -186,7 +184,7 @@ def patch(
 
 
 @np.errstate(all="ignore")
-def region_of(tables: Tables[Discs], chart: Chart, disc: Discs, node: complex) -> Region | None:
+def region_of(tables: DiscTables, chart: Chart, disc: Discs, node: complex) -> Region | None:
     """The roots that continue the decaying ones over a disc of w, given a node in it with abs(node) < 1.
 
     None where they are not proved to keep apart from the others all over the disc.
@@ -207,8 +205,8 @@ def region_of(tables: Tables[Discs], chart: Chart, disc: Discs, node: complex) -
         if not certain.all() or mixed.any() or (inside.sum(axis=1) != symbol.decaying).any():
             return None
         order = np.argsort(~inside, axis=1, kind="stable")
-        centre, cover = (np.take_along_axis(each, order, axis=1) for each in (found.centre, found.cover))
-        chosen.append(RegionRoots(Discs(centre, cover), symbol.decaying))
+        branch = np.arange(len(order))[:, None]
+        chosen.append(RegionRoots(Discs(found.centre, found.cover)[branch, order], symbol.decaying))
     return Region(covers, tuple(chosen))
 
 
@@ -217,25 +215,18 @@ def _by_branch(x: ComplexArray) -> ComplexArray:
     return x.transpose(1, 0, 2).reshape(-1, x.shape[2])
 
 
-def homogeneous(pair: tuple[Ring, Ring], degree: int) -> list[Ring]:
-    """a**k b**(degree - k) for every k."""
+def homogeneous(pair: tuple[Ring, Ring], degree: int) -> Ring:
+    """a**k b**(degree - k) for k = 0, ..., degree: (N, degree + 1)."""
     a, b = (powers(each, degree + 1) for each in pair)
-    return [a[k] * b[degree - k] for k in range(degree + 1)]
+    return joined([a[k] * b[degree - k] for k in range(degree + 1)], lambda parts: np.stack(parts, 1))
 
 
-def _evaluated(polynomial: Mapping[int, Discs], basis: Sequence[Ring]) -> Ring:
-    if not polynomial:
-        return linear_combination([Discs.exact(np.asarray(0j))], basis[:1])
-    return linear_combination(list(polynomial.values()), [basis[power] for power in polynomial])
+def _symbol(symbol: DiscSymbol, pair: tuple[Ring, Ring]) -> Ring:
+    """The coefficients of P in y, ascending: (N, n + 1)."""
+    return homogeneous(pair, len(symbol.powers.mid) - 1).times(symbol.powers)
 
 
-def _symbol(symbol: Symbol[Discs], pair: tuple[Ring, Ring]) -> Ring:
-    """The coefficients of P in x, ascending: (N, n + 1)."""
-    basis = homogeneous(pair, symbol.degree)
-    return joined([_evaluated(each, basis) for each in symbol.powers], lambda parts: np.stack(parts, 1))
-
-
-def _turned_back(symbol: Symbol[Discs], y: Ring) -> Ring:
+def _turned_back(symbol: DiscSymbol, y: Ring) -> Ring:
     """x = (y + c)/(1 + conj(c) y)."""
     if not symbol.turn:
         return y
@@ -250,31 +241,36 @@ def _inside(found: RootDiscs) -> tuple[Mask, Mask]:
     with np.errstate(invalid="ignore"):
         inside = size * UP + found.cover < 1
         outside = size * (2 - UP) - found.cover > 1
-    return inside, (inside | outside).all(axis=1)
+    return inside, _all(inside | outside)
 
 
-def _matrix(tables: Tables[Discs], roots: Sequence[Ring], pair: tuple[Ring, Ring]) -> Ring:
+def _all(conditions: Mask) -> Mask:
+    """Whether all conditions of each row hold."""
+    return np.asarray(np.all(conditions, axis=1))
+
+
+def _matrix(tables: DiscTables, roots: Sequence[Ring], pair: tuple[Ring, Ring]) -> Ring:
     """The Kreiss matrix (N, m, m) in the Newton basis; ``roots`` of every family (N, decaying)."""
-    bases = [homogeneous(pair, row.degree) for row in tables.rows]
-    blocks = []
-    for k, (family, zeros) in enumerate(tables.blocks):
-        padded = roots[family].apply(lambda x, zeros=zeros: _after_zeros(x, zeros))  # type: ignore[misc]
-        columns = newton_basis(padded, tables.longest[k])
-        lines = []
-        for row, basis in zip(tables.rows, bases, strict=True):
-            line = linear_combination([Discs.exact(np.asarray(0j))], columns[:1])
-            for entry in row.entries:
-                if entry.block == k:
-                    weight = _evaluated(entry.coefficient, basis).apply(lambda x: x[:, None])
-                    line = line + weight * columns[entry.n]
-            lines.append(line)
-        blocks.append(joined(lines, lambda parts: np.stack(parts, 1)))
+    order = np.argsort(np.concatenate([rows.numbers for rows in tables.rows]))
+    every = joined([_weights(rows, pair) for rows in tables.rows], lambda parts: np.concatenate(parts, 1)[:, order])
+    blocks, first = [], 0
+    for (family, zeros), count in zip(tables.blocks, tables.longest, strict=True):
+        columns = newton_basis(_after_zeros(roots[family], zeros), count)
+        blocks.append(every[:, :, first : first + count] @ joined(columns, lambda parts: np.stack(parts, 1)))
+        first += count
     return joined(blocks, lambda parts: np.concatenate(parts, 2))
 
 
-def _after_zeros(x: NDArray[Any], count: int) -> NDArray[Any]:
-    """x with so many columns of zeros before it."""
-    return np.concatenate([np.zeros((len(x), count), x.dtype), x], axis=1)
+def _weights(rows: DiscRows, pair: tuple[Ring, Ring]) -> Ring:
+    """The closure's coefficients at every point: (N, rows, columns)."""
+    degree, *shape = rows.weights.mid.shape
+    flat = homogeneous(pair, degree - 1).times(rows.weights.apply(lambda x: x.reshape(degree, -1)))
+    return flat.apply(lambda x: x.reshape(len(x), *shape))
+
+
+def _after_zeros(x: Ring, count: int) -> Ring:
+    """x (N, d) with so many columns of zeros before it."""
+    return x.apply(lambda each: np.concatenate([np.zeros((len(each), count), each.dtype), each], axis=1))
 
 
 def newton_basis(roots: Ring, count: int) -> list[Ring]:
@@ -286,7 +282,7 @@ def newton_basis(roots: Ring, count: int) -> list[Ring]:
     first[:, :1] = 1
     rows: list[Ring] = [type(roots).exact(first)]
     while len(rows) < count:
-        shifted = rows[-1].apply(lambda x: _after_zeros(x[:, :-1], 1))
+        shifted = _after_zeros(rows[-1][:, :-1], 1)
         rows.append(shifted + roots * rows[-1])
     return rows[:count]
 
@@ -301,19 +297,19 @@ def _determinant(node: Discs, over: Jets, reach: Array) -> tuple[Array, Array, A
     matrix = node.mid * rows
     columns = _powers_of_two(np.abs(matrix).max(axis=1, initial=0.0))[:, None, :]
     matrix = matrix * columns
-    finite = np.isfinite(matrix).all(axis=(1, 2))
+    finite = np.asarray(np.all(np.isfinite(matrix), axis=(1, 2)))
     matrix = np.where(finite[:, None, None], matrix, 0)
     sign, log = np.linalg.slogdet(matrix)
     finite &= sign != 0
-    inverse = np.linalg.inv(np.where(finite[:, None, None], matrix, np.eye(size)))
+    inverse = np.asarray(np.linalg.inv(np.where(finite[:, None, None], matrix, np.eye(size))), complex)
     weight = np.abs(inverse)
     with np.errstate(all="ignore"):  # infinite discs give nan, which proves nothing
         scale = rows * columns
         near = _spread(inverse, weight, Discs(matrix, node.rad * scale), np.eye(size))
-        first = near + _spread(inverse, weight, over.slope.apply(lambda x: x * scale), 0) * reach[:, None]
+        slope = _spread(inverse, weight, over.slope.apply(lambda x: x * scale), 0)
         plain = _spread(inverse, weight, over.value.apply(lambda x: x * scale), np.eye(size))
-        sums = np.fmin(first, plain)
-        change = np.prod(1 + sums, axis=1) * (1 + size * PRODUCT) - 1
+        first = (near[0] + slope[0] * reach[:, None, None], near[1] + slope[1] * reach)
+        change = np.fmin(_change(*first), _change(*plain))
         lengths = np.sqrt((np.abs(matrix) ** 2).sum(axis=2)).prod(axis=1)
         relative = np.where(finite, np.exp(log) / lengths, 0.0)
     change = np.where(finite & np.isfinite(change), change, np.inf)
@@ -321,14 +317,28 @@ def _determinant(node: Discs, over: Jets, reach: Array) -> tuple[Array, Array, A
     return np.where(finite, np.angle(sign), 0.0), np.where(finite, log - scales, -np.inf), relative, change
 
 
-def _spread(inverse: ComplexArray, weight: Array, matrix: Discs, less: Array | int) -> Array:
-    """Bounds of the row sums of abs(R M - less) for M in the discs."""
+def _spread(inverse: ComplexArray, weight: Array, matrix: Discs, less: Array | int) -> tuple[Array, Array]:
+    """Bounds of the entries (N, m, m) of abs(R M - less), and of the modulus of its trace, for M in the discs."""
     size = inverse.shape[1]
-    # A product of two m x m matrices in any order of summation is off by at most (m + 4) u abs(R) abs(M), times 2 sqrt(2)
-    # for complex entries.
+    # A product of two m x m matrices, summed in any order, is off by at most (m + 4) u abs(R) abs(M), and by 2 sqrt(2)
+    # times as much for complex entries.
     rounding = (size + 4) * 4 * UNIT * (weight @ np.abs(matrix.mid))
-    spread = np.abs(inverse @ matrix.mid - less) + rounding + weight @ matrix.rad * (1 + (size + 4) * PRODUCT)
-    return np.asarray(spread.sum(axis=2) * (1 + size * PRODUCT))
+    middle = inverse @ matrix.mid - less
+    radius = rounding + weight @ matrix.rad * (1 + (size + 4) * PRODUCT)
+    trace = np.abs(np.trace(middle, axis1=1, axis2=2)) + np.trace(radius, axis1=1, axis2=2)
+    # The sum of m diagonal entries is off by at most m u of the sum of their moduli.
+    trace = trace + size * PRODUCT * np.trace(np.abs(middle), axis1=1, axis2=2)
+    return (np.abs(middle) + radius) * UP, np.asarray(trace * (1 + size * PRODUCT))
+
+
+def _change(entries: Array, trace: Array) -> Array:
+    """The bound of abs(det(I + E) - 1) from bounds of the entries and the trace of E; infinite where there is none."""
+    size = entries.shape[1]
+    up = 1 + size * size * PRODUCT
+    minors = np.prod(1 + entries.sum(axis=2) * up, axis=1) * up - 1
+    norm = np.sqrt((entries**2).sum(axis=(1, 2))) * up
+    series = np.where(norm < 1, np.expm1((trace - np.log1p(-norm) - norm + 8 * UNIT * norm) * up), np.inf)
+    return np.asarray(np.fmin(minors, series))
 
 
 def _powers_of_two(size: Array) -> Array:

@@ -15,17 +15,17 @@ import numpy as np
 from gks.modes.chart import Chart
 from gks.modes.discs import Discs
 from gks.modes.kreissdiscs import Region, region_of
-from gks.modes.tables import Tables
+from gks.modes.tables import DiscTables
 from gks.modes.winding import Walk, full_circle, half_circle, walk
 
 SMALLEST = (2.0**-11, 2.0**-14, 2.0**-17, 2.0**-34)
-"""Shortest steps of the rounds. What is stuck at the first is the neighbourhood of a zero or of a branch point; shorter steps
-leave a shorter stretch to be covered by a pocket. Towards a branch point on the circle steps shrink in a few dozen halvings;
-at 2**-34 the radii of inclusion discs, near the square root of the rounding error there, no longer do."""
+"""Shortest steps of the rounds. What is stuck at the first is the neighbourhood of a zero or of a branch point; shorter
+steps leave a shorter stretch to be covered by a pocket. Towards a branch point on the circle steps shrink in a few dozen
+halvings; at 2**-34 the radii of inclusion discs, there near the square root of the rounding error, no longer do."""
 LARGEST = 2.0**-4
 """Radius of the largest pocket tried: wide enough for the zeros near a point, narrow enough to miss most branch points."""
 NEIGHBOURS = 16
-"""Stuck steps at most so many smallest steps apart are one stretch; so near to the real axis they are centred on it."""
+"""Stuck steps at most so many smallest steps apart are one stretch, centred on the real axis if it is as near."""
 MARGIN = 1.125
 """A pocket's region is that much wider than the pocket, so that the discs along its boundary lie in it."""
 
@@ -56,7 +56,7 @@ class Circle:
         return round(self.walk.zeros)
 
 
-def circled(tables: Tables[Discs], chart: Chart) -> Circle:
+def circled(tables: DiscTables, chart: Chart) -> Circle:
     """Finds the pockets and walks round them; what stays stuck is in the walk."""
     pockets: list[Pocket] = []
     for smallest in SMALLEST:
@@ -114,7 +114,7 @@ def _radii(place: Place, others: Sequence[tuple[complex, float]]) -> Iterator[fl
 
 
 def _pocket(
-    tables: Tables[Discs], chart: Chart, place: Place, others: Sequence[tuple[complex, float]], smallest: float
+    tables: DiscTables, chart: Chart, place: Place, others: Sequence[tuple[complex, float]], smallest: float
 ) -> Pocket | None:
     for radius in _radii(place, others):
         disc = Discs(np.array([place.centre]), np.array([MARGIN * radius]))

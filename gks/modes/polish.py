@@ -19,21 +19,21 @@ from gks.modes.discs import ComplexArray, Discs
 from gks.modes.enclosure import Dual, NotEnclosed, SpatialRoots, Zero, enclose, kappas
 from gks.modes.kreiss import NormalModeProblem
 from gks.modes.kreissdiscs import Region, Start, patch
-from gks.modes.tables import Tables, ball_tables
+from gks.modes.tables import DiscTables, Tables, ball_tables
 from gks.modes.winding import full_circle, walk
 
 STEPS = 40
-"""Aberth steps from moments good to a percent: 5 to 8 for simple zeros; a multiple one gains a bit a step, up to the point
-where its cluster is recognised."""
+"""Aberth steps from moments good to a percent: 5 to 8 for simple zeros; a multiple one gains a bit a step, up to the
+point where its cluster is recognised."""
 DIFFERENCE = 2.0**-20
 """Step of the difference quotient that stands for Delta': exact for a linear Delta, and off by its square otherwise."""
 INNERMOST = 1 - 2.0**-30
-"""Where only abs(w) < 1 makes sense, seeds are kept this far inside: their decaying roots can still be told by modulus."""
+"""Where only abs(w) < 1 makes sense, seeds are kept this far inside: decaying roots can still be told by modulus."""
 TOGETHER = 2.0**-12
 """Seeds this close after all steps are looked at as one multiple zero, if they are not proved one by one."""
 CLUSTER = 2.0**-16
-"""Radius of the circle on which a multiple zero is counted, and of its enclosure: at a double zero Delta there is near the
-square root of the rounding error."""
+"""Radius of the circle on which a multiple zero is counted, and of its enclosure: at a double zero Delta there is near
+the square root of the rounding error."""
 PRECISIONS = (96, 192, 384, 768)
 """Bits tried in turn for one zero: 96 print every digit of a double, 768 tell a distance of 1e-230 from the circle."""
 
@@ -55,11 +55,11 @@ class Found:
 class Polisher:
     """Finds the zeros near seeds of one problem; balls of its coefficients are kept by precision."""
 
-    def __init__(self, problem: NormalModeProblem, chart: Chart, tables: Tables[Discs]) -> None:
+    def __init__(self, problem: NormalModeProblem, chart: Chart, tables: DiscTables) -> None:
         self.problem, self.chart, self.tables = problem, chart, tables
-        self._balls: dict[int, Tables[acb]] = {}
+        self._balls: dict[int, Tables] = {}
 
-    def balls(self, bits: int) -> Tables[acb]:
+    def balls(self, bits: int) -> Tables:
         """The problem's tables at a precision."""
         if bits not in self._balls:
             self._balls[bits] = ball_tables(self.problem, bits)
@@ -154,10 +154,13 @@ class Polisher:
             return None
         around = walk(self.tables, self.chart, full_circle(centre, CLUSTER), CLUSTER * 2.0**-12, region)
         _, hints = self._hints(centre, region)
-        roots = kappas(self.balls(PRECISIONS[0]), [
-            SpatialRoots(tuple(Dual(acb(y), acb(0)) for y in hint[: symbol.decaying]), ())
-            for hint, symbol in zip(hints, self.tables.symbols, strict=True)
-        ])
+        roots = kappas(
+            self.balls(PRECISIONS[0]),
+            [
+                SpatialRoots(tuple(Dual(acb(y), acb(0)) for y in hint[: symbol.decaying]), ())
+                for hint, symbol in zip(hints, self.tables.symbols, strict=True)
+            ],
+        )
         reach = arb(0, CLUSTER)
         z = self.chart.growth_at(acb(arb(centre.real) + reach, arb(centre.imag) + reach))
         proved = not around.stuck and round(around.zeros) == len(group)

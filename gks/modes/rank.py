@@ -34,14 +34,19 @@ def certain_rank(matrix_at: Callable[[int], Matrix], most: int) -> int | None:
     return None
 
 
-def exact_rank(matrix_at: Callable[[int], Matrix], zero_exponent: Callable[[], float]) -> int:
-    """The rank of the matrix that ``matrix_at(bits)`` encloses ever more sharply; Undecided beyond RANK_BITS."""
+def exact_rank(
+    matrix_at: Callable[[int], Matrix], zero_exponent: Callable[[], float], *, ceiling: int | None = None
+) -> int:
+    """The rank of the matrix that ``matrix_at(bits)`` encloses ever more sharply; Undecided beyond RANK_BITS.
+
+    ``ceiling`` is a rank known not to be exceeded: pivots that reach it are the proof.
+    """
     bits = START_BITS
     exponent: float | None = None
     while bits <= RANK_BITS:
         with ctx.workprec(bits + GUARD_BITS):
             rank, rest = _eliminate(matrix_at(bits))
-            if rest is None:
+            if rest is None or rank == ceiling:
                 return rank
             if bits > START_BITS:
                 exponent = zero_exponent() if exponent is None else exponent

@@ -12,6 +12,7 @@ polynomial within the coefficients' discs.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,8 +22,8 @@ from gks.modes.discs import PRODUCT, UNIT, UP, Array, ComplexArray, Discs, Jets
 Mask = NDArray[np.bool_]
 
 START_STEPS = 40
-"""Simultaneous iteration from Bini-like starting points takes 6 to 15 steps; a multiple root takes one a bit and is cut off
-here: inclusion discs judge what comes out."""
+"""Simultaneous iteration from Bini-like starting points takes 6 to 15 steps; a multiple root takes one a bit and is cut
+off here: inclusion discs judge what comes out."""
 NEXT_STEPS = 4
 """From the roots at a neighbouring point the iteration, of third order, is at the rounding error after three steps."""
 
@@ -41,7 +42,10 @@ class RootDiscs:
 
 
 def root_discs(coefficients: Discs, centre: ComplexArray) -> RootDiscs:
-    """Inclusions around approximations; coefficients (N, n+1) ascending, centre (N, n). Infinite where nothing is proved."""
+    """Inclusions around approximations, infinite where nothing is proved.
+
+    coefficients (N, n+1) ascending, centre (N, n).
+    """
     degree = centre.shape[1]
     if not degree:
         return RootDiscs(centre, np.zeros(centre.shape), np.zeros((*centre.shape, 0), bool))
@@ -143,7 +147,7 @@ def _polygon_points(logs: Array, degree: int) -> ComplexArray:
             hull.pop()
         hull.append(k)
     points: list[complex] = [0j] * (hull[0] if hull else degree)
-    for low, high in zip(hull, hull[1:], strict=False):
+    for low, high in pairwise(hull):
         radius = 2.0 ** float(np.clip((logs[low] - logs[high]) / (high - low), -500, 500))
         angles = 2 * np.pi * np.arange(high - low) / (high - low) + 0.7 * (high + 1)
         points += list(radius * np.exp(1j * angles))

@@ -19,10 +19,14 @@ from flint import acb, ctx, fmpz_mpoly
 
 from gks.errors import GksError, SchemeError, Where
 from gks.modes.algebraic import GUARD_BITS, START_BITS, Position, Root
-from gks.modes.fibre import at_balls, fibre
+from gks.modes.coupled import System
+from gks.modes.crossing import Branch, Chain, LocalMatrix, Space, systems_of, value_fields, value_rows
+from gks.modes.determinant import determinant
+from gks.modes.fibre import VanishesIdentically, at_balls, fibre
 from gks.modes.fibre import value as algebraic_value
+from gks.modes.field import mirrored
 from gks.modes.height import zero_exponent
-from gks.modes.kreiss import NormalModeProblem, closure_matrix, newton_columns, normal_mode_problem, sample_point
+from gks.modes.kreiss import NormalModeProblem, Term, closure_matrix, normal_mode_problem, sample_point
 from gks.modes.rank import exact_rank
 from gks.scheme.model import Scheme
 
@@ -73,11 +77,13 @@ def _top(problem: NormalModeProblem) -> NormalModeProblem:
     if _implicit(problem) is not None:
         return problem
     families = [replace(f, polynomial=_leading([f.polynomial], problem.variable)[0]) for f in problem.families]
-    rows = []
-    for row in problem.rows:
-        leads = _leading([t.coefficient for t in row], problem.variable)
-        rows.append(tuple(replace(t, coefficient=c) for t, c in zip(row, leads, strict=True) if not c.is_zero()))
-    return replace(problem, families=tuple(families), rows=tuple(rows))
+    rows = tuple(_leading_row(row, problem.variable) for row in problem.rows)
+    return replace(problem, families=tuple(families), rows=rows)
+
+
+def _leading_row(row: Sequence[Term], variable: str) -> tuple[Term, ...]:
+    leads = _leading([term.coefficient for term in row], variable)
+    return tuple(replace(t, coefficient=c) for t, c in zip(row, leads, strict=True) if not c.is_zero())
 
 
 def _implicit(problem: NormalModeProblem) -> Root | None:
@@ -135,20 +141,61 @@ def _roots_of(problem: NormalModeProblem, point: Mapping[str, Root]) -> list[lis
     return [[Root.of(0)] * block.zeros + per_family[block.family] for block in problem.blocks]
 
 
-def _matrix(top: NormalModeProblem, roots: Sequence[Sequence[Root]], bits: int) -> list[list[acb]]:
-    return closure_matrix(top, _point(top), roots, bits)
-
-
 def _full_rank(problem: NormalModeProblem) -> bool:
     if not problem.size:
         return True
+    if problem.coupled:
+        local = _local_top(problem)
+        return local is not None and local.nullity == 0
     top = _top(problem)
     roots = _roots_at_top(top)
     if roots is None:
         return False
-    return (
-        exact_rank(lambda bits: _matrix(top, roots, bits), lambda: zero_exponent(top, _implicit(top))) == problem.size
+    rank = exact_rank(
+        lambda bits: closure_matrix(top, _point(top), roots, bits), lambda: zero_exponent(top, _implicit(top))
     )
+    return rank == problem.size
+
+
+# Coupled systems -----------------------------------------------------------------------------------------------------
+
+
+def _local_top(problem: NormalModeProblem) -> LocalMatrix | None:
+    """The closure at z = infinity on the values themselves, None where a decaying solution is lost there."""
+    systems, rows = systems_of(problem), value_rows(problem)
+    if _implicit(problem) is None:
+        systems = {k: _leading_system(system, problem.variable) for k, system in systems.items()}
+        rows = [_leading_row(row, problem.variable) for row in rows]
+    return _local(_top(problem), _point(problem), systems, rows)
+
+
+def _leading_system(system: System, variable: str) -> System:
+    """Each equation's highest power of the variable."""
+    matrix = tuple(tuple(_leading(row, variable)) for row in system.matrix)
+    return replace(system, matrix=matrix, symbol=determinant(matrix, system.symbol.context().constant(1)))
+
+
+def _local(
+    problem: NormalModeProblem, point: Mapping[str, Root], systems: Mapping[int, System], rows: Sequence[Sequence[Term]]
+) -> LocalMatrix | None:
+    """The closure on all decaying solutions at a point off the circle, None where their number is not the usual one."""
+    roots: list[list[Root]] = []
+    groups: list[list[Chain | Branch]] = []
+    for k, block in enumerate(problem.blocks):
+        symbol = systems[k].symbol if k in systems else problem.families[block.family].polynomial
+        try:
+            inside = [each for each in fibre(point, symbol, "x") if each.position is Position.INSIDE]
+        except VanishesIdentically:
+            return None
+        if sum(each.multiplicity for each in inside) != block.width - (0 if k in systems else block.zeros):
+            return None
+        plain = [] if k in systems else [each.root for each in inside for _ in range(each.multiplicity)]
+        roots.append(plain if k in systems else [Root.of(0)] * block.zeros + plain)
+        groups.append([Chain(each.root, each.multiplicity) for each in inside] if k in systems else [])
+    return LocalMatrix(problem, point, Space(roots, groups), systems, rows)
+
+
+# What is left undetermined ------------------------------------------------------------------------------------------
 
 
 def refuse_undetermined(problem: NormalModeProblem) -> None:
@@ -166,38 +213,36 @@ def refuse_undetermined(problem: NormalModeProblem) -> None:
 
 
 def _undetermined(problem: NormalModeProblem) -> list[str]:
-    """Boundary unknowns without which the matrix at z = infinity has the rank it has with them."""
-    top = _top(problem)
-    roots = _roots_at_top(top)
-    if roots is None:
+    """Boundary unknowns that take part in a solution of the homogeneous equations at z = infinity."""
+    local = _local_top(problem)
+    if local is None:
         return []
-    with ctx.workprec(2 * START_BITS + GUARD_BITS):
-        matrix = _matrix(top, roots, 2 * START_BITS)
-        kernel = _kernel_vector(matrix)
+    bits = 2 * START_BITS
+    with ctx.workprec(bits + GUARD_BITS):
+        kernel = _kernel_vector(local.at_balls(bits))
         if kernel is None:
             return []
-        shares: dict[tuple[str, int, int], acb] = {}
-        at = {name: root.ball(2 * START_BITS) for name, root in problem.coefficients.point().items()}
-        place = 0
-        for k, block in enumerate(problem.blocks):
-            half_line = problem.scheme.half_line(block.field.domain)
-            ghosts = half_line.first - problem.lowest[half_line.name]
-            columns = newton_columns([r.ball(2 * START_BITS) for r in roots[k]], max(ghosts, 1), acb(0), acb(1))
-            for column in columns:
-                for n in range(ghosts):
-                    for component, entry in enumerate(block.field.vector):
-                        weight = at_balls(entry.num, at) / at_balls(entry.den, at)
-                        key = (half_line.name, component, n)
-                        shares[key] = shares.get(key, acb(0)) + kernel[place] * column[n] * weight
-                place += 1
-    live = {key for key, share in shares.items() if not share.contains(0)}
-    names = []
-    for value in problem.scheme.boundary_unknowns:
-        half_line = problem.scheme.half_line(value.domain)
-        n = (value.index if half_line.side == "right" else -value.index) - problem.lowest[value.domain]
-        if (value.domain, half_line.unknowns.index(value.unknown), n) in live:
-            names.append(str(value))
-    return names
+        at = {name: root.ball(bits) for name, root in local.point.items()}
+        most = max(problem.ghosts(half_line.name) for half_line in problem.scheme.domains)
+        columns = local.columns(bits, max(most, 1))
+        fields = value_fields(problem)
+        names = []
+        for value in problem.scheme.boundary_unknowns:
+            half_line = problem.scheme.half_line(value.domain)
+            component = half_line.unknowns.index(value.unknown)
+            n = mirrored(half_line, value.index) - problem.lowest[value.domain]
+            total = acb(0)
+            for k, field in enumerate(fields):
+                if field.domain != value.domain:
+                    continue
+                for place, factor in field.share(component, n, problem.ghosts(value.domain)):
+                    weight = at_balls(factor.num, at) / at_balls(factor.den, at)
+                    total += weight * sum(
+                        (v * column[k][place] for v, column in zip(kernel, columns, strict=True) if k in column), acb(0)
+                    )
+            if not total.contains(0):
+                names.append(str(value))
+        return names
 
 
 def _kernel_vector(matrix: list[list[acb]]) -> list[acb] | None:
@@ -230,6 +275,9 @@ def independent_at_sample(problem: NormalModeProblem) -> bool:
     """Whether Delta is not zero at one point with abs(z) > 1; then it does not vanish identically."""
     sample = Root.of(sample_point(problem.coefficients, problem.resolvent))
     point = {**problem.coefficients.point(), problem.variable: sample}
+    if problem.coupled:
+        local = _local(problem, point, systems_of(problem), value_rows(problem))
+        return local is not None and local.nullity == 0
     roots = _roots_of(problem, point)
     if roots is None:
         return False

@@ -1,4 +1,4 @@
-"""A normal-mode problem with its polynomials evaluated but for the resolvent variable: in balls, or in double precision.
+"""A normal-mode problem with its polynomials evaluated but for the resolvent variable, in balls or as arrays of discs.
 
 The variable of the tables is mu = lam*s where the problem's is s, and z where it is z. Each symbol and each closure row
 is divided by a power of two that brings its largest coefficient to about 1; neither moves a zero.
@@ -8,65 +8,63 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Generic, TypeVar
 
+import numpy as np
 from flint import acb, acb_poly, ctx, fmpz_mpoly
+from numpy.typing import NDArray
 
 from gks.modes.algebraic import GUARD_BITS
 from gks.modes.coefficients import value_ball
-from gks.modes.discs import Discs, constant
+from gks.modes.discs import Discs, constant, joined
 from gks.modes.fibre import coefficients as powers_of
 from gks.modes.kreiss import NormalModeProblem
+from gks.modes.kreiss import longest as longest_read
 
 DOUBLE_BITS = 128
-"""Precision of coefficients that are then rounded to doubles: what cancellation among a few generators' terms costs stays
-below a double's rounding, and is in the discs' radii where it does not."""
-
-C = TypeVar("C")
-D = TypeVar("D")
-
+"""Precision of coefficients that are then rounded to doubles: what cancellation among a few generators' terms costs
+stays below a double's rounding, and is in the discs' radii where it does not."""
 
 TURN = 0.25 + 0.375j
-"""c of the turn x = (y + c)/(1 + conj(c) y), which keeps the unit disc: exact in doubles, off the axes and the circle, so that
-no family has a root x = 1/conj(c), which would go to infinity in its turn, but by an accident."""
+"""c of the turn x = (y + c)/(1 + conj(c) y), which keeps the unit disc. Exact in doubles, and off the real axis: a
+family has a root x = 1/conj(c), which would go to infinity in its turn, by an accident only."""
 
 
 @dataclass(frozen=True, slots=True)
-class Symbol(Generic[C]):
+class Symbol:
     """P(mu, y): ``powers[i][k]`` is the coefficient of y**i mu**k (absent: 0), k at most ``degree``.
 
     x = (y + turn)/(1 + conj(turn) y). The turn is 0 where no spatial root passes through infinity while abs(z) = 1.
     """
 
-    powers: tuple[Mapping[int, C], ...]
+    powers: tuple[Mapping[int, acb], ...]
     degree: int
     decaying: int
     turn: complex
 
 
 @dataclass(frozen=True, slots=True)
-class Entry(Generic[C]):
+class Entry:
     """A coefficient, given by its powers of mu, times v_n of a block."""
 
     block: int
     n: int
-    coefficient: Mapping[int, C]
+    coefficient: Mapping[int, acb]
 
 
 @dataclass(frozen=True, slots=True)
-class Row(Generic[C]):
+class Row:
     """One closure equation, of degree at most ``degree`` in mu."""
 
-    entries: tuple[Entry[C], ...]
+    entries: tuple[Entry, ...]
     degree: int
 
 
 @dataclass(frozen=True, slots=True)
-class Tables(Generic[C]):
-    """``blocks`` gives (family, zeros) of every block, ``longest`` how many v_n the closure reads of it (at least 1)."""
+class Tables:
+    """``blocks`` gives (family, zeros) of every block, ``longest`` how many v_n the closure reads of it, at least 1."""
 
-    symbols: tuple[Symbol[C], ...]
-    rows: tuple[Row[C], ...]
+    symbols: tuple[Symbol, ...]
+    rows: tuple[Row, ...]
     blocks: tuple[tuple[int, int], ...]
     longest: tuple[int, ...]
 
@@ -76,7 +74,7 @@ class Tables(Generic[C]):
         return len(self.rows)
 
 
-def ball_tables(problem: NormalModeProblem, bits: int) -> Tables[acb]:
+def ball_tables(problem: NormalModeProblem, bits: int) -> Tables:
     """The tables to a relative precision of about ``bits``."""
     with ctx.workprec(bits + GUARD_BITS):
         lam = acb(1)
@@ -91,9 +89,7 @@ def ball_tables(problem: NormalModeProblem, bits: int) -> Tables[acb]:
         for row in problem.rows:
             parts, degree = _scaled(problem, [t.coefficient for t in row], at, lam, bits)
             rows.append(Row(tuple(Entry(t.block, t.n, c) for t, c in zip(row, parts, strict=True)), degree))
-    longest = [
-        1 + max((t.n for row in problem.rows for t in row if t.block == k), default=0) for k in range(len(problem.blocks))
-    ]
+    longest = [max(1, longest_read(problem.rows, k)) for k in range(len(problem.blocks))]
     return Tables(tuple(symbols), tuple(rows), tuple((b.family, b.zeros) for b in problem.blocks), tuple(longest))
 
 
@@ -105,7 +101,7 @@ def _reaches_infinity(problem: NormalModeProblem) -> bool:
     return method.kind == "exact" or not (sum(method.sigma) and sum(c * (-1) ** k for k, c in enumerate(method.sigma)))
 
 
-def _turned(symbol: Symbol[acb], infinite: bool) -> Symbol[acb]:
+def _turned(symbol: Symbol, infinite: bool) -> Symbol:
     """The symbol in y, where its leading coefficient in x may vanish on the circle."""
     lead = symbol.powers[-1]
     if len(lead) < 2 and not (infinite and symbol.degree not in lead):
@@ -120,20 +116,69 @@ def _turned(symbol: Symbol[acb], infinite: bool) -> Symbol[acb]:
     return Symbol(tuple(total), symbol.degree, symbol.decaying, TURN)
 
 
-def disc_tables(problem: NormalModeProblem) -> Tables[Discs]:
-    """The tables in double precision, every coefficient a disc of shape ()."""
+@dataclass(frozen=True, slots=True)
+class DiscSymbol:
+    """A symbol in double precision: ``powers`` (degree + 1, n + 1), rows by powers of mu."""
+
+    powers: Discs
+    decaying: int
+    turn: complex
+
+
+@dataclass(frozen=True, slots=True)
+class DiscRows:
+    """The closure equations of one degree in mu: their numbers, and what they read, (degree + 1, rows, columns).
+
+    The columns are v_0, v_1, ... of the first block, then those of the next.
+    """
+
+    numbers: NDArray[np.intp]
+    weights: Discs
+
+
+@dataclass(frozen=True, slots=True)
+class DiscTables:
+    """The tables in double precision."""
+
+    symbols: tuple[DiscSymbol, ...]
+    rows: tuple[DiscRows, ...]
+    blocks: tuple[tuple[int, int], ...]
+    longest: tuple[int, ...]
+
+    @property
+    def size(self) -> int:
+        """Number of equations."""
+        return sum(len(rows.numbers) for rows in self.rows)
+
+
+def disc_tables(problem: NormalModeProblem) -> DiscTables:
+    """Rounds the tables of a problem to discs."""
     tables = ball_tables(problem, DOUBLE_BITS)
+    first = np.concatenate([[0], np.cumsum(tables.longest)])
     with ctx.workprec(DOUBLE_BITS):
-        symbols = (Symbol(tuple(_rounded(p) for p in s.powers), s.degree, s.decaying, s.turn) for s in tables.symbols)
-        rows = (
-            Row(tuple(Entry(e.block, e.n, _rounded(e.coefficient)) for e in row.entries), row.degree)
-            for row in tables.rows
-        )
-        return Tables(tuple(symbols), tuple(rows), tables.blocks, tables.longest)
+        symbols = [
+            DiscSymbol(_rounded(s.powers, s.degree, range(len(s.powers)), len(s.powers)), s.decaying, s.turn)
+            for s in tables.symbols
+        ]
+        rows = []
+        for degree in sorted({row.degree for row in tables.rows}):
+            numbers = [i for i, row in enumerate(tables.rows) if row.degree == degree]
+            weights = [
+                _rounded([e.coefficient for e in row], degree, [int(first[e.block]) + e.n for e in row], int(first[-1]))
+                for row in (tables.rows[i].entries for i in numbers)
+            ]
+            rows.append(DiscRows(np.array(numbers), joined(weights, lambda parts: np.stack(parts, 1))))
+    return DiscTables(tuple(symbols), tuple(rows), tables.blocks, tables.longest)
 
 
-def _rounded(polynomial: Mapping[int, acb]) -> dict[int, Discs]:
-    return {power: constant(c) for power, c in polynomial.items()}
+def _rounded(polynomials: Sequence[Mapping[int, acb]], degree: int, places: Sequence[int], width: int) -> Discs:
+    """Polynomials as the columns at the given places of (degree + 1, width)."""
+    mid, rad = np.zeros((degree + 1, width), complex), np.zeros((degree + 1, width))
+    for polynomial, place in zip(polynomials, places, strict=True):
+        for power, c in polynomial.items():
+            disc = constant(c)
+            mid[power, place], rad[power, place] = disc.mid, disc.rad
+    return Discs(mid, rad)
 
 
 def _scaled(

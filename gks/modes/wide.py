@@ -1,12 +1,12 @@
 """The normal modes of schemes too wide for elimination: zeros of Delta counted, found and proved one by one.
 
 The number of zeros in abs(w) < 1 and in pockets across the unit circle (`gks.modes.pockets`) is proved by walks that
-leave nothing between their steps. Moments along the same walks say roughly where the zeros are; Newton's method in balls
-polishes each and proves it (`gks.modes.polish`). Zeros at z = 1 and z = -1 are judged exactly (`gks.modes.exactpoint`).
+leave nothing between their steps. Moments along the same walks say roughly where the zeros are; Newton's method in
+balls polishes each and proves it (`gks.modes.polish`). Zeros at z = 1 and z = -1 are judged exactly (`exactpoint`).
 When the zeros that were proved make up the numbers counted, there are no others and the verdict is certified.
 
-What does not close is said: a zero whose ball meets the circle, a number that is not made up. Such a doubt forbids every
-verdict but ``unstable``.
+What does not close is said: a zero whose ball meets the circle, a number that is not made up. Such a doubt forbids
+every verdict but ``unstable``.
 """
 
 from __future__ import annotations
@@ -19,13 +19,12 @@ from flint import acb, ctx
 
 from gks.modes.algebraic import GUARD_BITS, Root
 from gks.modes.chart import Chart, chart_of
-from gks.modes.discs import Discs
 from gks.modes.exactpoint import ExactPoint, exact_point, rational_candidate
 from gks.modes.kreiss import NormalModeProblem
 from gks.modes.numerals import ComplexNumber, midpoint, modulus_of, radius_of, text_real
 from gks.modes.pockets import Circle, Pocket, circled
 from gks.modes.polish import PRECISIONS, Found, Polisher
-from gks.modes.tables import Tables, disc_tables
+from gks.modes.tables import DiscTables, disc_tables
 from gks.modes.undecided import Undecided
 from gks.modes.verdict import Mode, ModeKind
 from gks.modes.winding import seeds
@@ -39,11 +38,26 @@ thousand times the rounding error of a determinant of moderate size."""
 
 @dataclass(slots=True)
 class WideModes:
-    """What the wide route found: the modes with abs(z) >= 1 and those just inside, whether that is proved, and doubts."""
+    """The modes with abs(z) >= 1 and those found just inside, whether that is proved, and what stayed open."""
 
     modes: list[Mode] = field(default_factory=list)
     certified: bool = True
     doubts: list[str] = field(default_factory=list)
+
+
+ELIMINATION_WORK = 600
+"""Choices of spatial roots times equations, up to which elimination is tried first. A reach of three points to either
+side (120 choices, 3 equations) takes it half a second; two fields on both sides of an interface with boundary rules at
+four points (144 choices, 16 equations) take it minutes, and the count of zeros a second."""
+
+
+def beyond_elimination(problem: NormalModeProblem) -> bool:
+    """Whether counting zeros is the cheaper route by far."""
+    choices = 1
+    for family in problem.families:
+        for k in range(min(family.decaying, family.degree - family.decaying)):
+            choices *= family.degree - k
+    return choices * problem.size > ELIMINATION_WORK
 
 
 class VanishingDeterminant(ArithmeticError):
@@ -79,7 +93,7 @@ class _Search:
     """Takes the zeros of one region after the other."""
 
     problem: NormalModeProblem
-    tables: Tables[Discs]
+    tables: DiscTables
     chart: Chart
     polisher: Polisher
     circle: Circle
@@ -123,7 +137,7 @@ class _Search:
             self._take([_mirrored(each) for each in found], left, where)
 
     def _exact(self, z: int, most: int) -> ExactPoint | None:
-        """The judgement of z = 1 or z = -1, None where Delta does not vanish there or no exact judgement is to be had."""
+        """The judgement of z = 1 or z = -1; None where Delta does not vanish there, or that is left open."""
         candidate = rational_candidate(self.problem, z)
         if candidate is None:
             return None

@@ -1,8 +1,8 @@
 """The number of zeros of Delta in abs(w) < 1, by a walk along the unit circle that leaves nothing between its steps.
 
-Delta is analytic for abs(w) < 1 and continuous up to the circle, and its coefficients are real: the walk goes from a real
-point to a real point through the upper half-plane, and the zeros inside number the half-turns of Delta on the way. A
-step is a disc over which Delta is proved to stay within a right angle of its value at the node, so that the phase
+Delta is analytic for abs(w) < 1 and continuous up to the circle, and its coefficients are real: the walk goes from a
+real point to a real point through the upper half-plane, and the zeros inside number the half-turns of Delta on the way.
+A step is a disc over which Delta is proved to stay within a right angle of its value at the node, so that the phase
 between neighbouring nodes is known without a doubt about full turns. Where that fails the step is divided. Round a
 known zero near the circle the walk goes on an arc inside of it.
 """
@@ -17,16 +17,16 @@ import numpy as np
 
 from gks.modes.chart import Chart
 from gks.modes.discs import Array, ComplexArray, Discs
-from gks.modes.kreissdiscs import Patch, Region, Start, patch
-from gks.modes.tables import Tables
+from gks.modes.kreissdiscs import Index, Patch, Region, Start, patch
+from gks.modes.tables import DiscTables
 
 FIRST_STEP = pi / 128
 """Half-length of the first steps: symbols of degree up to 8 need about one division from here."""
 INWARD = 0.25
-"""The nodes of a step of half-length h on the circle lie INWARD*h inside it, where decaying roots are told by modulus."""
+"""The node of a step of half-length h on the circle lies INWARD*h inside, where decaying roots are told by modulus."""
 RIGHT_ANGLE = 0.9
-"""Largest relative change that a step may prove: the phase moves by less than asin(0.9) = 1.12, two of which stay below pi
-by more than any rounding of a phase."""
+"""Largest relative change that a step may prove: the phase moves by less than asin(0.9) = 1.12, two of which stay below
+pi by more than any rounding of a phase."""
 JOINT = 2.0**-46
 """Added to the radius of a step's disc: more than the rounding of end points of neighbouring pieces (a few 2**-52)."""
 STEPS = 40_000
@@ -56,7 +56,6 @@ class Walk:
     log: Array
     relative: Array
     change: Array
-    start: Start
     stuck: tuple[complex, ...]
     closed: bool
 
@@ -122,7 +121,7 @@ def full_circle(centre: complex, radius: float) -> list[Piece]:
 class _Steps:
     """A batch of steps: piece number, midpoint in t, half-length in t (positive)."""
 
-    piece: np.ndarray  # type: ignore[type-arg]
+    piece: Index
     middle: Array
     half: Array
 
@@ -134,12 +133,12 @@ class _Steps:
             np.repeat(quarter, 2),
         )
 
-    def take(self, index: np.ndarray) -> _Steps:  # type: ignore[type-arg]
+    def take(self, index: Index) -> _Steps:
         return _Steps(self.piece[index], self.middle[index], self.half[index])
 
 
 def walk(
-    tables: Tables[Discs],
+    tables: DiscTables,
     chart: Chart,
     pieces: Sequence[Piece],
     smallest: float,
@@ -149,7 +148,8 @@ def walk(
 
     With a region, its discs instead of the modulus tell the decaying roots.
     """
-    pending, start = _first(pieces), None
+    pending = _first(pieces)
+    start: Start | None = None
     done: list[tuple[_Steps, ComplexArray, Patch]] = []
     stuck: list[complex] = []
     taken = 0
@@ -200,7 +200,8 @@ def _ordered(pieces: Sequence[Piece], done: Sequence[tuple[_Steps, ComplexArray,
     found = Patch.join([p for _, _, p in done]).take(order)
     node = np.concatenate([n for _, n, _ in done])[order]
     closed = len(pieces) == 1 and abs(pieces[0].end - pieces[0].begin) > 1.5 * pi
-    return Walk(node, found.phase, found.log.sum(axis=1), found.relative, found.change, found.start, tuple(stuck), closed)
+    log = found.log.sum(axis=1)
+    return Walk(node, found.phase, log, found.relative, found.change, tuple(stuck), closed)
 
 
 def seeds(found: Walk, centre: complex, radius: float, count: int) -> list[complex]:

@@ -243,3 +243,12 @@ def test_a_file_of_just_the_limit_is_read(tmp_path: Path) -> None:
     path = tmp_path / "full.toml"
     path.write_text(LEAPFROG + "#" * (1_000_000 - len(LEAPFROG.encode())))
     assert read_scheme(path).domains == read(LEAPFROG).domains
+
+
+def test_a_bound_may_divide_by_an_extremum() -> None:
+    bounds = ["1/min(1, sqrt(lam0), 1/lam0)", "2/(1 + max(lam0, sqrt(2)))"]
+    claims = "".join(f'[[claims]]\nsource = "{k}"\nbound = "{bound}"\n' for k, bound in enumerate(bounds))
+    scheme = read(LEAPFROG.replace("[parameters]", "[parameters]\nlam0 = 1") + claims)
+    assert [str(claim.bound) for claim in scheme.claims] == bounds
+    with pytest.raises(SchemeError, match="division by zero"):
+        read(LEAPFROG + '[[claims]]\nsource = "zero"\nbound = "1/(min(1, sqrt(2)) - 1)"\n')

@@ -1,0 +1,52 @@
+"""Roots of polynomials with ball coefficients. Part of the checker."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from flint import acb, acb_poly
+
+
+class Open(Exception):
+    """Not decided at this precision."""
+
+
+def solved(coefficients: Sequence[acb]) -> list[acb]:
+    """Disjoint balls around the roots of a polynomial with ball coefficients; Open where they are not isolated."""
+    if len(coefficients) < 2:
+        return []
+    if coefficients[-1].contains(0):
+        raise Open
+    whole = acb_poly(list(coefficients))
+    try:
+        return [_sharpened(whole, root) for root in whole.roots()]
+    except ValueError:
+        raise Open from None
+
+
+def _sharpened(poly: acb_poly, root: acb) -> acb:
+    """FLINT isolates roots and no more; interval Newton steps shrink the ball as long as they at least halve it."""
+    slope = poly.derivative()
+    while True:
+        middle = acb(root.real.mid(), root.imag.mid())
+        step = middle - poly(middle) / slope(root)
+        if not step.is_finite() or not root.contains(step) or not step.rad() * 2 < root.rad():
+            return root
+        root = step
+
+
+def deflated(parts: Sequence[acb]) -> tuple[list[acb], list[acb]]:
+    """The simple roots, and the double ones: roots of the derivative at which the polynomial may vanish."""
+    if len(parts) < 3 or parts[-1].contains(0):
+        raise Open
+    whole = acb_poly(list(parts))
+    hits = [w for w in solved(list(whole.derivative())) if whole(w).contains(0)]
+    if not hits or 2 * len(hits) >= len(parts):
+        raise Open
+    rest = list(parts)
+    for root in (w for w in hits for _ in range(2)):
+        quotient = [rest[-1]]
+        for c in reversed(rest[1:-1]):
+            quotient.append(c + root * quotient[-1])
+        rest = quotient[::-1]
+    return solved(rest), hits
