@@ -6,7 +6,7 @@ Results are the analyses' own objects: they print as the command prints them, an
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
@@ -17,6 +17,7 @@ from gks.errors import ParameterError, TooLarge
 
 if TYPE_CHECKING:
     from gks.bounds.audit import Audit
+    from gks.bounds.theorem import Theorem
     from gks.bounds.sweep import Sweep
     from gks.modes import ModesResult
     from gks.modes.derive import Derivation
@@ -82,6 +83,25 @@ class LoadedScheme:
         if len(sweeps) > 1:
             raise ParameterError(f"{len(sweeps)} parameters run", expected="one at most", mend="set the others")
         return pictured(curve(self.scheme, self.scheme.values(fixed), sweeps[0] if sweeps else None))
+
+    def prove(
+        self,
+        values: Mapping[str, Value] | None = None,
+        /,
+        *,
+        limit: float | None = None,
+        progress: Callable[[str], None] | None = None,
+        **named: Value,
+    ) -> Theorem:
+        """The stable region over the ranged parameter not given, proved; others not given take their defaults.
+
+        ``limit`` in seconds; ``progress`` is told the stages. What cannot be proved says why and carries the curve.
+        """
+        from gks.bounds.proof import prove
+
+        given = _merged(values, named)
+        free = [p.name for p in self.scheme.parameters if p.name not in given]
+        return prove(self.scheme, self.scheme.values(given, free), limit, progress)
 
     def audit(self) -> Audit:
         """The file's claims held against what is derived; a march stands beside each claim that fails."""

@@ -81,6 +81,11 @@ def parser() -> argparse.ArgumentParser:
         dest="outputs",
         help="write to OUT instead; its ending says what: .csv .json .png .svg .pdf (may be repeated)",
     )
+    prove = parametrised("prove", "the stable region over the ranged parameter, as a theorem with a certificate")
+    prove.add_argument("--limit", type=_seconds, metavar="SECONDS", help="how long it may take (default: no limit)")
+    prove.add_argument("-o", metavar="OUT", dest="output", help="write the certificate to OUT, a .json file")
+    check = command("check", "verify a certificate with code that the prover does not share", file=False)
+    check.add_argument("file", metavar="CERTIFICATE", help="a file that `gks prove -o` wrote")
     audit = command("audit", "the claims of a scheme file, held against what is derived", file=False)
     audit.add_argument("file", metavar="FILE", nargs="?", help="a scheme file, or the name of a shipped scheme")
     audit.add_argument("--all", action="store_true", help="audit every shipped scheme instead, as one table")
@@ -95,6 +100,17 @@ def _count(text: str) -> int:
     if not (text.isascii() and text.isdigit() and len(text) < 10 and int(text) > 0):
         raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from 1 to 999999999")
     return int(text)
+
+
+def _seconds(text: str) -> float:
+    """A positive number of seconds."""
+    try:
+        seconds = float(text)
+    except ValueError:
+        seconds = 0.0
+    if not 0 < seconds < 1e9:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number of seconds above 0")
+    return seconds
 
 
 def main(argv: Sequence[str] | None = None) -> int:

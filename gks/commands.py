@@ -95,6 +95,53 @@ def _curve(arguments: Namespace) -> str:
     return "\n".join(writers) if writers and not arguments.json else _shown(result, arguments)
 
 
+def _prove(arguments: Namespace) -> str:
+    from gks.api import load
+
+    if arguments.output is not None:
+        _writer(arguments.output, (".json",))
+    theorem = load(arguments.file).prove(
+        settings(arguments.settings), limit=arguments.limit, progress=_said_to_a_terminal
+    )
+    if arguments.output is not None and theorem.proved:
+        import json
+
+        from gks.files import write_text
+
+        write_text(arguments.output, json.dumps(theorem.certificate, allow_nan=False, indent=1) + "\n")
+    return _shown(theorem, arguments)
+
+
+def _check(arguments: Namespace) -> str:
+    from gks.bounds.check import check
+
+    result = check(_certificate(arguments.file))
+    if not result.accepted:
+        raise InputError(f"{quoted(arguments.file)} is rejected: {result.problem}")
+    return _shown(result, arguments)
+
+
+def _certificate(path: str) -> dict[str, object]:
+    """A certificate file, or the JSON of a theorem that holds one; InputError if it is neither."""
+    import json
+
+    from gks.files import read_bytes
+
+    try:
+        found = json.loads(read_bytes(path, CERTIFICATE_BYTES))
+    except (ValueError, RecursionError):
+        found = None
+    if isinstance(found, dict) and isinstance(found.get("certificate"), dict):
+        found = found["certificate"]
+    if not isinstance(found, dict):
+        raise InputError(f"{quoted(path)} holds no JSON object", expected="a certificate that `gks prove -o` wrote")
+    return found
+
+
+CERTIFICATE_BYTES = 50_000_000
+"""Far above what a theorem of this program takes."""
+
+
 def _audit(arguments: Namespace) -> str:
     if arguments.all:
         if arguments.file is not None:
@@ -124,19 +171,20 @@ def _march(arguments: Namespace) -> str:
     return _shown(scheme.march(given, cells=arguments.cells, steps=arguments.steps), arguments)
 
 
-def _writer(path: str) -> Callable[[Curve, str], None]:
+def _writer(
+    path: str, endings: Sequence[str] = (".csv", ".json", ".png", ".svg", ".pdf")
+) -> Callable[[Curve, str], None]:
     """What writes a curve to a file of that name, by its ending; InputError if nothing does or there is no folder."""
     ending = os.path.splitext(path)[1].lower()
-    writers = {".csv": _write_csv, ".json": _write_json, ".png": _draw, ".svg": _draw, ".pdf": _draw}
-    if ending not in writers:
+    if ending not in endings:
         found = f"nothing is written as {quoted(ending)}" if ending else "its name has no ending"
-        raise InputError(f"-o {quoted(path)}: {found}", expected="expected .csv, .json, .png, .svg or .pdf")
+        raise InputError(f"-o {quoted(path)}: {found}", expected=f"expected {' or '.join(endings)}")
     folder = os.path.dirname(os.path.abspath(path))
     if not os.path.isdir(folder):
         raise InputError(f"-o {quoted(path)}: no folder {quoted(folder)}", mend="make it first")
     if os.path.isdir(path):
         raise InputError(f"-o {quoted(path)} is a folder", expected="expected the name of a file")
-    return writers[ending]
+    return {".csv": _write_csv, ".json": _write_json}.get(ending, _draw)
 
 
 def _write_csv(curve: Curve, path: str) -> None:
@@ -163,6 +211,8 @@ _COMMANDS: dict[str, Callable[[Namespace], str]] = {
     "derive": _derive,
     "modes": _modes,
     "curve": _curve,
+    "prove": _prove,
+    "check": _check,
     "audit": _audit,
     "march": _march,
 }

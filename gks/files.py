@@ -1,4 +1,4 @@
-"""Output files, written whole or not at all."""
+"""Output files, written whole or not at all; and input that is not a scheme file."""
 
 from __future__ import annotations
 
@@ -25,6 +25,21 @@ def whole_file(path: str) -> Iterator[str]:
     except BaseException:
         os.unlink(draft)
         raise
+
+
+def read_bytes(path: str, most: int) -> bytes:
+    """The contents of a file of at most so many bytes; InputError if it can't be read or has more."""
+    from gks.errors import InputError, quoted
+
+    try:
+        with open(path, "rb") as file:
+            data = file.read(most + 1)
+    except (OSError, ValueError) as error:  # ValueError: a NUL in the path
+        reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
+        raise InputError(f"{quoted(path)} can't be read: {reason}") from None
+    if len(data) > most:
+        raise InputError(f"{quoted(path)} has over {most} bytes")
+    return data
 
 
 def write_text(path: str, text: str) -> None:

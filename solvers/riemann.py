@@ -83,7 +83,8 @@ def star(left: Gas, right: Gas, gamma: float = GAMMA) -> Star:
             break
     else:
         raise ArithmeticError(f"no convergence in {MOST_ITERATIONS} steps")
-    apart = np.where(vacuum, 0.0, d_right - d_left) * step + f_right - f_left  # at the new p, as exact as p is
+    bent = np.subtract(d_right, d_left, out=np.zeros_like(p), where=~vacuum)  # both are infinite at vacuum
+    apart = f_right - f_left + bent * step  # at the new p, as exact as p is
     return Star(p, 0.5 * (left.velocity + right.velocity + apart), vacuum)
 
 

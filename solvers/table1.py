@@ -16,8 +16,8 @@ is the situation of the theory; and observed with the Riemann data and the crite
 Theory and small disturbances agree within the interval asked for. With Riemann data a light solid's slow decay counts
 as instability until the run is long enough: on 400 cells 0.193 and 0.0366 come out. Heavy solids lose stability early
 for another reason. From 4.0 to 7.6 and from 21.6 to 37.5 the star state is stable to small disturbances and not to
-the start, a velocity jump of 1: the oscillation that it sets off keeps itself up or ends in negative pressure. Table
-1 has no entry there.
+the start, a velocity jump of 1 in a gas of less than half the impedance (at which the theory has 3.06 and 13.6): the
+oscillation that it sets off keeps itself up or ends in negative pressure. Table 1 has no entry there.
 """
 
 from __future__ import annotations

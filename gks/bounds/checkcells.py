@@ -31,6 +31,9 @@ from gks.scheme.model import Scheme
 NEARBY = Fraction(1, 1 << 160)
 """How far beside a cut the curves are looked at, relatively: a meeting of m curves is apart by its m-th root there."""
 
+MEETING = Fraction(1, 1 << 20)
+"""Relative distance of curves so near a cut below which they are taken to meet on it."""
+
 MEETING_RADIUS = 2.0**-30
 """Relative radius of the balls around such points; a fifth root of NEARBY is less."""
 
@@ -78,7 +81,7 @@ class CellCheck:
         if not self.owner.in_domain(here) or (low and not here > low.ball()) or (high and not here < high.ball()):
             raise Rejected(f"the sample {self.sample} is not in its cell")
         bottom, top = self.owner.domain
-        ends = (_exact(low.ball()) if low else bottom), (_exact(high.ball()) if high else top)
+        ends = (low.nearest if low else bottom), (high.nearest if high else top)
         if self.sample != simplest(*ends):
             raise Rejected(f"the sample {self.sample} is not the simplest in its cell")
 
@@ -193,20 +196,60 @@ class CutCheck:
             raise Rejected("a verdict on the bound of a cut that has no bound of its own")
 
     def verify(self, left: CellCheck, right: CellCheck) -> None:
-        wall = any(_same(univariate(w, "p"), self.root.poly) for w in self.owner.walls)
-        if not wall and self.spans is None:
-            self._points(left)
-            return
+        """The stable set here: on a wall by the checker's own means, elsewhere by the points where curves meet."""
+        wall = next((w for w in self.owner.walls if _same(univariate(w, "p"), self.root.poly)), None)
+        judge = left.judge
+        assert judge is not None
         exact = self.root.rational
-        if exact is None:
-            raise Unsupported("the stable set on a cut at an irrational value")
+        if wall is None and self.spans is None:
+            self._points(left, judge)
+        elif wall is not None and judge.loses_root(wall):
+            self._undetermined(left, right)
+        elif exact is not None:
+            self._line(exact, left, right)
+        elif self.spans is None:
+            self._gaps(left, right, judge)
+        else:
+            raise Unsupported("a stable set on a cut at an irrational value")
+
+    def _undetermined(self, left: CellCheck, right: CellCheck) -> None:
+        """The next time level is not determined here: nothing is stable."""
+        if self.spans is None:
+            for cell, p in zip((left, right), self._beside(), strict=True):
+                if any(cell.stated(p, lam) for lam in cell.gaps(p)):
+                    raise Rejected("a cut on which the next time level is not determined is said to be stable")
+        elif self.spans or self.at_bound is not None:
+            raise Rejected("a cut on which the next time level is not determined has a stable set")
+
+    def _line(self, exact: Fraction, left: CellCheck, right: CellCheck) -> None:
         fixed = {**self.owner.fixed, str(self.owner.parameter): exact}
         if self.spans is not None:
             verify_line(self.owner.scheme, fixed, self.spans, self.at_bound)
             return
         found = line(self.owner.scheme, fixed)[0]
-        for cell, side in ((left, -1), (right, 1)):
-            self._limits(cell, exact + side * NEARBY * max(abs(exact), Fraction(1)), found)
+        for cell, p in zip((left, right), self._beside(), strict=True):
+            self._limits(cell, p, found)
+
+    def _gaps(self, left: CellCheck, right: CellCheck, judge: Judge) -> None:
+        """Between the curves, the verdict on the cut is what is said on either side."""
+        beside = self._beside()
+        levels = [level for level, _ in left.levels(beside[0])]
+        apart = [Fraction(0), *(_exact(level) for level in levels)]
+        gaps = left.gaps(beside[0])
+        for lam, (low, high) in zip(gaps, pairwise([*apart, apart[-1] + 1]), strict=True):
+            if high - low <= high * MEETING:
+                continue  # curves that meet on the cut leave nothing between them there
+            said = left.stated(beside[0], lam), right.stated(beside[1], lam)
+            if (
+                judge.stable_near(left.sample, lam, lambda bits: acb(self.root.ball(bits))) is not said[0]
+                or said[0] is not said[1]
+            ):
+                raise Rejected(f"the verdict at a cut, lam = {lam}, is not what the certificate says")
+
+    def _beside(self) -> tuple[Fraction, Fraction]:
+        here = self.root.nearest
+        step = NEARBY * max(abs(here), Fraction(1))
+        return here - step, here + step
 
     def _limits(self, cell: CellCheck, p: Fraction, found: Sequence[tuple[Real | None, Real | None]]) -> None:
         """The stable set on a wall is the limit of the stable sets beside it."""
@@ -219,18 +262,14 @@ class CutCheck:
         ):
             raise Rejected(f"the stable set on the wall at {p} is not that of its neighbours")
 
-    def _points(self, left: CellCheck) -> None:
+    def _points(self, left: CellCheck, judge: Judge) -> None:
         """No curve point over the cut, inside the stable set, carries a mode: curves may meet or touch here.
 
-        The points are those over a rational value so near that what meets at the cut is together; balls around them
-        hold the true ones.
+        The points are those over a rational value so near that what meets at the cut is together; balls around them hold
+        the true ones.
         """
-        near = NEARBY * max(abs(_exact(self.root.ball())), Fraction(1))
-        p = _exact(self.root.ball()) - near
-        judge = left.judge
-        assert judge is not None
-        levels = [r for curve in self.owner.curves for r in near_positive(curve, p)]
-        for level in levels:
+        p = self._beside()[0]
+        for level in (r for curve in self.owner.curves for r in near_positive(curve, p)):
             radius = abs(level) * 2.0**-20
             below, above = (_exact(level.mid() + sign * radius) for sign in (-1, 1))
             if below > 0 and left.stated(p, below) and left.stated(p, above):

@@ -70,6 +70,8 @@ class Problem:
 
     variable: str
     time_map: fmpz_mpoly | None
+    explicit: bool
+    """Whether sigma = infinity is z = infinity."""
     families: tuple[Family, ...]
     blocks: tuple[Block, ...]
     rows: tuple[tuple[tuple[int, int, fmpz_mpoly], ...], ...]
@@ -113,8 +115,16 @@ def derive(scheme: Scheme, fixed: Mapping[str, Fraction], parameter: str | None,
     time_map = None if method is None else _map(method)
     growth = {str(g): g for each in scalars for g in [_growth(each, time_map)]}
     structure = [*values.divisors, *(part for speed in speeds for part in (speed.num, speed.den))]
+    explicit = method is None or method.explicit
     return Problem(
-        variable, time_map, tuple(families), tuple(blocks), tuple(rows), tuple(growth.values()), tuple(structure)
+        variable,
+        time_map,
+        explicit,
+        tuple(families),
+        tuple(blocks),
+        tuple(rows),
+        tuple(growth.values()),
+        tuple(structure),
     )
 
 

@@ -87,6 +87,12 @@ class Real:
             return real_roots(self.poly)[self.place - 1]
 
     @property
+    def nearest(self) -> Fraction:
+        """The number itself where it is rational, else one that nothing of moderate size tells from it."""
+        own = self.rational
+        return exact(self.ball()) if own is None else own
+
+    @property
     def rational(self) -> Fraction | None:
         if self.poly.degree() != 1:
             return None

@@ -21,7 +21,7 @@ from gks.bounds.checkcurves import characteristic, in_z, kreiss
 from gks.bounds.checkderive import Problem
 from gks.bounds.checkformula import Rejected
 from gks.bounds.checknumbers import isolated, roots_of, univariate
-from gks.bounds.checkring import enclose, parts_of, put
+from gks.bounds.checkring import Unsupported, degree, enclose, parts_of, put
 
 LADDER = (128, 256, 512, 1024, 2048)
 """Working precisions, in bits; a question that the last leaves open rejects the certificate."""
@@ -71,6 +71,29 @@ class Judge:
                 except Open:
                     continue
         raise Rejected(f"Cauchy stability at p = {p}, lam = {lam} is not verified")
+
+    def loses_root(self, wall: fmpz_mpoly) -> bool:
+        """Whether a root of the characteristic polynomial goes to infinity on a wall, with z: Delta(oo) vanishes there.
+
+        Exact where the spatial roots have no other choice, and sigma = infinity is z = infinity.
+        """
+        leads = [parts_of(f, self.problem.variable)[-1] for f in self.own]
+        if not any(divmod(lead, wall)[1].is_zero() for lead in leads):
+            return False
+        if not self.problem.explicit or any(f.decaying not in (0, degree(f.part, "x")) for f in self.problem.families):
+            raise Unsupported("a root at infinity among several choices of spatial roots")
+        return True
+
+    def stable_near(self, p: Fraction, lam: Fraction, place: Callable[[int], acb]) -> bool:
+        """At an algebraic parameter value ``place(bits)`` and a rational lam on no curve; ``p`` is a rational value.
+
+        The interior has to be free of the parameter.
+        """
+        if any(degree(growth, "p") for growth in self.problem.growth):
+            raise Unsupported("an interior that depends on the parameter, at an irrational value of it")
+        if not self.interior(p, lam):
+            return False
+        return self._worst(lambda bits: {"p": place(bits), "lam": _balls({"lam": lam})["lam"]}, None) == "stable"
 
     def on_curve(self, p: Fraction, lam: Fraction) -> str:
         """The verdict at a rational point, exactly: "stable", "neutral", "generalized" or "unstable"."""

@@ -22,6 +22,7 @@ from gks.modes.kreiss import NormalModeProblem, closure_matrix, normal_mode_prob
 from gks.modes.numerals import midpoint, modulus_of, radius_of
 from gks.modes.polynomial import Degenerate, Elimination, Factor, TooWide, characteristic_factors
 from gks.modes.rank import certain_rank, exact_rank
+from gks.modes.route import beyond_elimination
 from gks.modes.sheets import Choice, only_vanishing
 from gks.modes.solvable import degenerate_closure, determines_next_level, independent_at_sample
 from gks.modes.undecided import Undecided
@@ -154,8 +155,6 @@ def _modes_beside(interior: str | None, problem: NormalModeProblem) -> _Found:
 
 def _modes_found(problem: NormalModeProblem, *, inner: bool = True) -> _Found:
     """By elimination, or by counting zeros where the scheme is too wide for it."""
-    from gks.modes.wide import VanishingDeterminant, beyond_elimination, wide_modes
-
     if problem.coupled or not beyond_elimination(problem):
         try:
             modes, doubts = _modes(problem, inner=inner)
@@ -165,6 +164,8 @@ def _modes_found(problem: NormalModeProblem, *, inner: bool = True) -> _Found:
                 return _Found([], [f"the interior is coupled, and {too_wide}"], False, "exact")
         else:
             return _Found(modes, doubts, not doubts, "exact")
+    from gks.modes.wide import VanishingDeterminant, wide_modes  # numpy, which elimination does without
+
     try:
         wide = wide_modes(problem)
     except VanishingDeterminant:

@@ -45,7 +45,7 @@ def exact_point(problem: NormalModeProblem, candidate: Candidate, most: int) -> 
     The kind is INADMISSIBLE where Delta is not zero. Raises Undecided where the kernel is not the rational columns'.
     """
     families = tuple(admissible(problem, family, candidate) for family in problem.families)
-    certain = _certain_rank(_ball_matrix(problem, candidate, families))
+    certain = _certain_pivots(_ball_matrix(problem, candidate, families))
     if certain == problem.size:
         return ExactPoint(ModeKind.INADMISSIBLE, 0, families)
     series = [_Series(problem, family, candidate, most + 1) for family in problem.families]
@@ -69,7 +69,7 @@ def _ball_matrix(problem: NormalModeProblem, candidate: Candidate, families: Seq
         return closure_matrix(problem, point_of(problem, candidate), roots, KERNEL_BITS)
 
 
-def _certain_rank(matrix: list[list[acb]]) -> int:
+def _certain_pivots(matrix: list[list[acb]]) -> int:
     """How many pivots balls keep away from 0."""
     with ctx.workprec(KERNEL_BITS + GUARD_BITS):
         rows = [list(row) for row in matrix]

@@ -20,10 +20,11 @@ from gks.modes.winding import Walk, full_circle, half_circle, walk
 
 SMALLEST = (2.0**-11, 2.0**-14, 2.0**-17, 2.0**-34)
 """Shortest steps of the rounds. What is stuck at the first is the neighbourhood of a zero or of a branch point; shorter
-steps leave a shorter stretch to be covered by a pocket. Towards a branch point on the circle steps shrink in a few dozen
-halvings; at 2**-34 the radii of inclusion discs, there near the square root of the rounding error, no longer do."""
+steps leave a shorter stretch to be covered by a pocket. Towards a branch point on the circle steps shrink in a few
+dozen halvings; at 2**-34 the radii of inclusion discs, near the root of the rounding error there, no longer do."""
 LARGEST = 2.0**-4
-"""Radius of the largest pocket tried: wide enough for the zeros near a point, narrow enough to miss most branch points."""
+"""Radius of the largest pocket tried: wide enough for a few zeros near a point, and narrow enough to miss most branch
+points."""
 NEIGHBOURS = 16
 """Stuck steps at most so many smallest steps apart are one stretch, centred on the real axis if it is as near."""
 MARGIN = 1.125

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import factorial
+from math import factorial, prod
 
 from flint import fmpz_mpoly
 
@@ -91,14 +91,11 @@ def characteristic_factors(problem: NormalModeProblem) -> Elimination:
     if delta.is_zero():
         raise Degenerate
     common = _free_of(delta, [name for carrier in carriers for name in carrier.variables])
-    norm = delta / common
-    repeats = 1
-    lost = False
-    for carrier in carriers:
-        repeats *= factorial(len(carrier.variables))
-        for variable, relation in reversed(list(zip(carrier.variables, carrier.relations, strict=True))):
-            norm, split = _resultant(norm, relation, variable)
-            lost = lost or split
+    norm = _norm(delta / common, carriers)
+    lost = norm.is_zero()
+    if lost:
+        norm = _norm_of_the_rest(delta / common, carriers)
+    repeats = prod(factorial(len(carrier.variables)) for carrier in carriers)
     leads = [carrier.monic[-1] for carrier in carriers if carrier.monic is not None]
     return _sorted_out(problem, ((common, 1), (norm, repeats)), leads, lost)
 
@@ -209,23 +206,31 @@ def _ghost_columns(
     return [[scaled[n][j] for n in range(count)] for j in range(width)]
 
 
-def _resultant(norm: fmpz_mpoly, relation: fmpz_mpoly, variable: str) -> tuple[fmpz_mpoly, bool]:
-    """Eliminates a spatial root over the sheets on which the norm does not vanish identically.
+def _norm(delta: fmpz_mpoly, carriers: Sequence[_Carrier]) -> fmpz_mpoly:
+    """The product over all sheets, up to factors that clear denominators."""
+    for carrier in carriers:
+        for variable, relation in reversed(list(zip(carrier.variables, carrier.relations, strict=True))):
+            if delta.is_zero():
+                return delta
+            _, delta = delta.primitive()
+            delta = delta.resultant(relation, variable)
+    return delta
 
-    A common factor is a whole component of the sheets: it leaves the relation. The norm keeps it, since it may vanish
-    where that component crosses another one.
+
+def _norm_of_the_rest(delta: fmpz_mpoly, carriers: Sequence[_Carrier]) -> fmpz_mpoly:
+    """The product over the sheets on which Delta does not vanish identically.
+
+    It is the lowest coefficient in t of the product of Delta + t over all sheets: those that vanish give t. (A common
+    factor of the norm so far and the next relation would not do: a sheet that is lost may be tied to one that is not, as
+    k_2 = 1/k_1 beside k_2 = -k_1.)
     """
-    if norm.is_zero():
-        raise Degenerate
-    _, norm = norm.primitive()
-    index = norm.context().names().index(variable)
-    lost = False
-    common = norm.gcd(relation)
-    while common.degrees()[index]:
-        lost = True
-        relation = relation / common
-        common = norm.gcd(relation)
-    return norm.resultant(relation, variable), lost
+    used = sum(len(carrier.variables) for carrier in carriers)
+    if used == KAPPA_VARIABLES:
+        raise TooWide(f"the elimination would carry more than {KAPPA_VARIABLES - 1} spatial roots beside a lost one")
+    context = delta.context()
+    t = f"k{used}"
+    norm = _norm(delta + context.gen(context.variable_to_index(t)), carriers)
+    return next(part for part in powers_of(norm, t) if not part.is_zero())
 
 
 def _sorted_out(
