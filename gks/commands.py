@@ -178,7 +178,8 @@ def _writer(
     ending = os.path.splitext(path)[1].lower()
     if ending not in endings:
         found = f"nothing is written as {quoted(ending)}" if ending else "its name has no ending"
-        raise InputError(f"-o {quoted(path)}: {found}", expected=f"expected {' or '.join(endings)}")
+        listed = " or ".join(filter(None, [", ".join(endings[:-1]), endings[-1]]))
+        raise InputError(f"-o {quoted(path)}: {found}", expected=f"expected {listed}")
     folder = os.path.dirname(os.path.abspath(path))
     if not os.path.isdir(folder):
         raise InputError(f"-o {quoted(path)}: no folder {quoted(folder)}", mend="make it first")

@@ -98,7 +98,7 @@ class Acoustics:
         """The largest errors of velocity and stress over all cells."""
         toward, away = self.exact_characteristics()
         off_toward, off_away = (self.toward - toward)[:, ::-1], self.away - away
-        velocity, stress = self._physical(off_toward, off_away)
+        velocity, stress = self.physical(off_toward, off_away)
         return float(np.abs(velocity).max()), float(np.abs(stress).max())
 
     def step(self) -> None:
@@ -117,14 +117,14 @@ class Acoustics:
             new += weight * field[:, GHOSTS + offset : GHOSTS + offset + length]
         return new
 
-    def _physical(self, toward: Array, away: Array) -> tuple[Array, Array]:
+    def physical(self, toward: Array, away: Array) -> tuple[Array, Array]:
         """(u, sigma) of both sides from fields indexed by the distance from the interface."""
         velocity = (SIGN * self.speed)[:, None] * (away - toward)
         return velocity, self.modulus[:, None] * (away + toward)
 
     def _ghosts(self) -> tuple[Array, Array]:
         """(toward, away) in the ghost cells, nearest to the interface first: (3.2) at order 1, (3.22) at order 2."""
-        near = self._physical(self.toward[:, : -GHOSTS - 1 : -1], self.away[:, :GHOSTS])
+        near = self.physical(self.toward[:, : -GHOSTS - 1 : -1], self.away[:, :GHOSTS])
         if self.setting.order == 1:
             own_velocity, own_stress = (values[:, 0] for values in near)
         else:

@@ -131,11 +131,14 @@ def weighted_entries(densities: Sequence[float] = (*DENSITIES, *EXTREMES), cfl: 
     return tuple(Entry(WEIGHTED, rho, None, outcome) for rho, outcome in zip(densities, outcomes, strict=True))
 
 
-def departures() -> tuple[Departure, ...]:
-    """What the other readings of the text lead to, measured: see `euler_elastic` for the readings taken."""
-    table, early = table_1(), table_1(end=0.4)
-    as_printed = {PRINTED_24A if row is TRADITIONAL else row: entries for row, entries in PRINTED.items()}
-    literal = table_1(conditions=as_printed)
+def departures(table: Sequence[Entry] | None = None) -> tuple[Departure, ...]:
+    """What the other readings of the text lead to, measured beside `table`, or beside `table_1()`.
+
+    See `euler_elastic` for the readings taken.
+    """
+    table, early = table or table_1(), table_1(end=0.4)
+    kept = tuple(entry for entry in table if entry.condition is not TRADITIONAL)
+    literal = kept + table_1(conditions={PRINTED_24A: PRINTED[TRADITIONAL]})
     by_pressure = [(entry.outcome.cause is not Cause.NEGATIVE_PRESSURE) is entry.printed for entry in table]
     light = march([Run(PRINTED_43A, Solid(1e-6))])[0]
     exact = coupled_riemann(Solid(1e-6), gas()).velocity

@@ -18,7 +18,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from gks.solvers.acoustics import History, Setting, final_error, march
+from gks.solvers.acoustics import History, Setting, march
 from gks.solvers.coupling import TRADITIONAL, WEIGHTED, Condition, coupling_scheme
 from gks.solvers.growth import Growth, envelope
 from gks.solvers.waves import Interface
@@ -165,8 +165,3 @@ def observed_growth(history: History) -> Growth:
     with np.errstate(divide="ignore"):
         logs = np.log(history.velocity_error[start:])
     return envelope(logs, start)
-
-
-def second_order_error(condition: Condition, cells: int, alpha: float = 0.25, interior: str = "fromm") -> float:
-    """The largest velocity error at t = 0.5 alone, without the history."""
-    return final_error(Setting(Interface.of_ratio(alpha), condition, 2, interior, CFL, cells), CONVERGENCE_END)

@@ -207,7 +207,7 @@ class CutCheck:
             self._undetermined(left, right)
         elif exact is not None:
             self._line(exact, left, right)
-        elif self.spans is None:
+        elif not self.spans and self.at_bound is None:
             self._gaps(left, right, judge)
         else:
             raise Unsupported("a stable set on a cut at an irrational value")
@@ -231,7 +231,7 @@ class CutCheck:
             self._limits(cell, p, found)
 
     def _gaps(self, left: CellCheck, right: CellCheck, judge: Judge) -> None:
-        """Between the curves, the verdict on the cut is what is said on either side."""
+        """Between the curves the verdict is what is said on the cut: what both sides say, or that nothing is stable."""
         beside = self._beside()
         levels = [level for level, _ in left.levels(beside[0])]
         apart = [Fraction(0), *(_exact(level) for level in levels)]
@@ -239,11 +239,8 @@ class CutCheck:
         for lam, (low, high) in zip(gaps, pairwise([*apart, apart[-1] + 1]), strict=True):
             if high - low <= high * MEETING:
                 continue  # curves that meet on the cut leave nothing between them there
-            said = left.stated(beside[0], lam), right.stated(beside[1], lam)
-            if (
-                judge.stable_near(left.sample, lam, lambda bits: acb(self.root.ball(bits))) is not said[0]
-                or said[0] is not said[1]
-            ):
+            said = {left.stated(beside[0], lam), right.stated(beside[1], lam)} if self.spans is None else {False}
+            if said != {judge.stable_near(left.sample, lam, lambda bits: acb(self.root.ball(bits)))}:
                 raise Rejected(f"the verdict at a cut, lam = {lam}, is not what the certificate says")
 
     def _beside(self) -> tuple[Fraction, Fraction]:
@@ -265,8 +262,8 @@ class CutCheck:
     def _points(self, left: CellCheck, judge: Judge) -> None:
         """No curve point over the cut, inside the stable set, carries a mode: curves may meet or touch here.
 
-        The points are those over a rational value so near that what meets at the cut is together; balls around them hold
-        the true ones.
+        The points are those over a rational value so near that what meets at the cut is together; balls around them
+        hold the true ones.
         """
         p = self._beside()[0]
         for level in (r for curve in self.owner.curves for r in near_positive(curve, p)):

@@ -27,6 +27,9 @@ LADDER = (128, 256, 512, 1024, 2048)
 """Working precisions, in bits; a question that the last leaves open rejects the certificate."""
 
 
+FAR_BITS = (40, 120)
+"""Exponents of two at which Delta is looked at far out: it falls by 2**-80 at least from one to the other if Delta(oo) = 0."""
+
 Ends = Callable[[int], Mapping[str, acb]]
 """A point as balls at a precision in bits."""
 
@@ -56,6 +59,8 @@ class Judge:
                 try:
                     if not all(cauchy(_at(growth, at)) for growth in self.problem.growth):
                         return False
+                    if self.problem.explicit and not self.determines(at):
+                        return False
                     return not any(mode.zero for mode in self._modes(_balls(at), at))
                 except Open:
                     continue
@@ -75,14 +80,29 @@ class Judge:
     def loses_root(self, wall: fmpz_mpoly) -> bool:
         """Whether a root of the characteristic polynomial goes to infinity on a wall, with z: Delta(oo) vanishes there.
 
-        Exact where the spatial roots have no other choice, and sigma = infinity is z = infinity.
+        Told where the spatial roots have no other choice and sigma = infinity is z = infinity; else False, nothing known.
         """
         leads = [parts_of(f, self.problem.variable)[-1] for f in self.own]
-        if not any(divmod(lead, wall)[1].is_zero() for lead in leads):
+        if any(f.decaying not in (0, degree(f.part, "x")) for f in self.problem.families) or not self.problem.explicit:
             return False
-        if not self.problem.explicit or any(f.decaying not in (0, degree(f.part, "x")) for f in self.problem.families):
-            raise Unsupported("a root at infinity among several choices of spatial roots")
-        return True
+        return any(divmod(lead, wall)[1].is_zero() for lead in leads)
+
+    def determines(self, at: Mapping[str, Fraction]) -> bool:
+        """Whether Delta(oo) is not zero, in the ghost basis: its size is compared far out and further out."""
+        sizes = []
+        for bits in FAR_BITS:
+            ball = {**_balls(at), self.problem.variable: acb(2) ** bits}
+            roots = []
+            for family in self.problem.families:
+                found = solved([enclose(c, ball) for c in parts_of(_at(family.whole, at), "x")])
+                roots.append([x for x in found if abs(x) < 1])
+                if len(roots[-1]) != family.decaying:
+                    raise Open
+            scale = sum(
+                max((degree(c, self.problem.variable) for *_, c in row), default=0) for row in self.problem.rows
+            )
+            sizes.append(abs(self._delta(roots, ball) / acb(2) ** (bits * scale)))
+        return bool(sizes[1] > sizes[0] * 2.0 ** -FAR_BITS[0])
 
     def stable_near(self, p: Fraction, lam: Fraction, place: Callable[[int], acb]) -> bool:
         """At an algebraic parameter value ``place(bits)`` and a rational lam on no curve; ``p`` is a rational value.

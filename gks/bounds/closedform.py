@@ -148,7 +148,7 @@ class _Surd:
         for sign, a, b, c in self.terms:
             inside = _expanded(a, name)
             if not b.is_zero():
-                inside = add([inside, mul([_factored(b, name), sqrt(_expanded(c, name))])])
+                inside = _sum(inside, mul([_factored(b, name), sqrt(_expanded(c, name))]))
             summands.append(mul([number(sign), sqrt(inside)]))
         return mul([_factored(outer, name), add(summands)])
 
@@ -205,9 +205,14 @@ def _back(y: _Surd, shift: fmpz_mpoly, scale: fmpz_mpoly, name: str) -> Expr:
         # What is rational in it is a polynomial or a number, which stands better alone: 3/2 - sqrt(...)/(...).
         rational = _expanded(-above, name) / number(int(below.leading_coefficient()))
         surd = _over(y.formula(outer / rest, name), divisor / rest, name)
-        return add([surd, rational]) if y.positive and _starts_negative(-above) else add([rational, surd])
+        return _sum(surd, rational) if y.positive and _starts_negative(-above) else _sum(rational, surd)
     both = [_expanded(-shift, name), y.formula(outer, name)]
-    return _over(add(both[::-1] if y.positive and _starts_negative(-shift) else both), divisor, name)
+    return _over(_sum(*(both[::-1] if y.positive and _starts_negative(-shift) else both)), divisor, name)
+
+
+def _sum(*parts: Expr) -> Expr:
+    """One sum, without sums among its terms."""
+    return add([term for part in parts for term in (part.args if part.op == "add" else (part,))])
 
 
 def _starts_negative(value: fmpz_mpoly) -> bool:

@@ -155,6 +155,7 @@ def patch(
     valid = np.ones(points * branches, bool) if region is None else region.holds_stages(stages)
     spatial: list[ComplexArray] = []
     roots: list[Jets] = []
+    nodes: list[Discs] = []
     for k, symbol in enumerate(tables.symbols):
         exact = _symbol(symbol, (at[0].value, at[1].value))
         centre = approximate(exact.mid, None if start is None else _by_branch(start.spatial[k]))
@@ -162,14 +163,12 @@ def patch(
         inside, certain = _inside(near) if region is None else region.chosen(k, near)
         valid &= certain & (inside.sum(axis=1) == symbol.decaying)
         order = np.lexsort((np.abs(centre), ~inside), axis=1)
-        spatial.append(np.take_along_axis(centre, order, axis=1))
+        ordered = Discs(near.centre, near.cover)[np.arange(len(order))[:, None], order]
+        nodes.append(_turned_back(symbol, ordered[:, : symbol.decaying]))
+        spatial.append(ordered.mid)
         coefficients = _symbol(symbol, over)
         found = branches_of(coefficients, root_discs(coefficients.value, spatial[k]))
         roots.append(_turned_back(symbol, found[:, : symbol.decaying]))
-    nodes = [
-        _turned_back(symbol, Discs.exact(y[:, : symbol.decaying]))
-        for y, symbol in zip(spatial, tables.symbols, strict=True)
-    ]
     reach = np.tile((np.abs(disc.mid - node) * UP + disc.rad) * UP, branches)
     here = _matrix(tables, nodes, (at[0].value, at[1].value))
     phase, log, relative, change = _determinant(here, _matrix(tables, roots, over), reach)

@@ -16,7 +16,7 @@ from gks.modes.chart import Chart
 from gks.modes.discs import Discs
 from gks.modes.kreissdiscs import Region, region_of
 from gks.modes.tables import DiscTables
-from gks.modes.winding import Walk, full_circle, half_circle, walk
+from gks.modes.winding import CIRCLE_STEP, Walk, full_circle, half_circle, walk
 
 SMALLEST = (2.0**-11, 2.0**-14, 2.0**-17, 2.0**-34)
 """Shortest steps of the rounds. What is stuck at the first is the neighbourhood of a zero or of a branch point; shorter
@@ -27,8 +27,9 @@ LARGEST = 2.0**-4
 points."""
 NEIGHBOURS = 16
 """Stuck steps at most so many smallest steps apart are one stretch, centred on the real axis if it is as near."""
-MARGIN = 1.125
-"""A pocket's region is that much wider than the pocket, so that the discs along its boundary lie in it."""
+MARGIN = 1 + CIRCLE_STEP + 2.0**-6
+"""A pocket's region is that much wider than the pocket, so that the discs along its boundary, of at most CIRCLE_STEP
+times its radius, lie in it."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -99,7 +99,7 @@ class _Search:
             for each in self.polisher.polish(seeds(self.circle.walk, 0j, 1.0, count), None)
             if abs(each.w) < 1 and not any(_within(each.w, pocket) for pocket in self.circle.pockets)
         ]
-        self._take(found, count, "with abs(z) > 1")
+        self._take(_with_mirrors(found), count, "with abs(z) > 1")
 
     def pocket(self, pocket: Pocket) -> None:
         """The zeros in a pocket, and for one off the real axis those in its mirror image."""
@@ -117,9 +117,11 @@ class _Search:
             for each in self.polisher.polish(near, pocket.region)
             if _within(each.w, pocket) and not (exact is not None and each.z.contains(round(pocket.centre.real)))
         ]
-        self._take(found, left, where)
         if pocket.centre.imag:
+            self._take(found, left, where)
             self._take([_mirrored(each) for each in found], left, where)
+        else:
+            self._take(_with_mirrors(found), left, where)
 
     def _exact(self, z: int, most: int) -> ExactPoint | None:
         """The judgement of z = 1 or z = -1; None where Delta does not vanish there, or that is left open."""
@@ -158,6 +160,16 @@ def _kind(z: acb) -> ModeKind | None:
     return ModeKind.DECAYING if size < 1 else None
 
 
+def _with_mirrors(found: Sequence[Found]) -> list[Found]:
+    """The zeros with their conjugates, which are zeros as well, whether or not both of a pair were found."""
+    every = list(found)
+    for each in found:
+        mirror = _mirrored(each)
+        if not any(mirror.z.overlaps(other.z) for other in every):
+            every.append(mirror)
+    return every
+
+
 def _mirrored(found: Found) -> Found:
     """The conjugate zero."""
     with ctx.workprec(PRECISIONS[-1]):
@@ -171,7 +183,11 @@ def _mirrored(found: Found) -> Found:
 def _mode(problem: NormalModeProblem, found: Found, kind: ModeKind) -> Mode:
     with ctx.workprec(PRECISIONS[-1]):
         kappa = _kappa(problem, found.roots)
-        return Mode(midpoint(found.z), modulus_of(found.z), radius_of(found.z), found.multiplicity, kind, kappa)
+        (real, imaginary), radius = midpoint(found.z), radius_of(found.z)
+        if found.z.imag.contains(0):
+            # It may be real: the wider disc round the real midpoint holds it all the same.
+            imaginary, radius = Fraction(0), radius + abs(imaginary)
+        return Mode((real, imaginary), modulus_of(found.z), radius, found.multiplicity, kind, kappa)
 
 
 def _exact_mode(problem: NormalModeProblem, point: ExactPoint, z: int) -> Mode:

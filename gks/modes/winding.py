@@ -22,6 +22,8 @@ from gks.modes.tables import DiscTables
 
 FIRST_STEP = pi / 128
 """Half-length of the first steps: symbols of degree up to 8 need about one division from here."""
+CIRCLE_STEP = 0.125
+"""Half-length, in radians, of the first steps round a small disc: a zero at its centre turns Delta as fast."""
 INWARD = 0.25
 """The node of a step of half-length h on the circle lies INWARD*h inside, where decaying roots are told by modulus."""
 RIGHT_ANGLE = 0.9
@@ -172,8 +174,7 @@ def _first(pieces: Sequence[Piece]) -> _Steps:
     number, middle, half = [], [], []
     for k, piece in enumerate(pieces):
         span = piece.end - piece.begin
-        # A zero at the centre of a small circle turns Delta as fast as the point goes round: steps of a quarter radian.
-        count = ceil(abs(span) / (2 * (FIRST_STEP if piece.unit else 0.25)))
+        count = ceil(abs(span) / (2 * (FIRST_STEP if piece.unit else CIRCLE_STEP)))
         for j in range(count):
             number.append(k)
             middle.append(piece.begin + span * (j + 0.5) / count)

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from flint import acb
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 
 from gks.modes.chart import Chart, chart_of
 from gks.modes.discs import ComplexArray, Discs, Jets
@@ -36,7 +39,7 @@ def members(disc: Discs, count: int = 24) -> ComplexArray:
     return np.concatenate([[complex(disc.mid)], disc.mid + disc.rad * angles, disc.mid + disc.rad * angles / 3])
 
 
-def holds(disc: Discs, values: ComplexArray) -> bool:
+def holds(disc: Discs, values: NDArray[Any]) -> bool:
     # Sampled values carry a rounding error of their own, a few units of the sizes involved.
     return bool((np.abs(values - disc.mid) <= disc.rad + 2.0**-46 * (1 + np.abs(values))).all())
 
@@ -150,7 +153,7 @@ RADIUS = 2e-3
 def test_the_change_over_a_disc_is_bounded(scheme: Scheme) -> None:
     problem = normal_mode_problem(scheme, scheme.values({}))
     tables, chart = disc_tables(problem), chart_of(problem)
-    node = 0.9 * np.exp(1j * np.array([0.4, 1.1, 2.0]))
+    node = np.asarray(0.9 * np.exp(1j * np.array([0.4, 1.1, 2.0])), complex)
     found = patch(tables, chart, Discs(node, np.full(3, RADIUS)), node)
     assert (found.change < 0.9).all()
     for angle in np.linspace(0, 6, 7):

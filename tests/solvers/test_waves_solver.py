@@ -41,7 +41,7 @@ UNEQUAL = Interface(Medium(1.0, 1.5), Medium(3.0, 2.5))
 def by_the_book(setting: Setting, steps: int) -> tuple[Array, Array]:
     """(u, sigma) after so many steps of (3.1) with R, Lambda and R**-1 multiplied out, cell by cell; order 1 or 2."""
     media = (setting.interface.left, setting.interface.right)
-    x = setting.dx * (np.arange(setting.cells + 1) + 0.5)
+    x: Array = setting.dx * (np.arange(setting.cells + 1, dtype=np.float64) + 0.5)
     sides = [np.stack(setting.interface.exact(at, 0.0)) for at in (-x[::-1], x)]
     for _ in range(steps):
         near = [sides[0][:, ::-1], sides[1]]  # the interface first
@@ -59,7 +59,7 @@ def by_the_book(setting: Setting, steps: int) -> tuple[Array, Array]:
             runs_left, runs_right = (
                 (c * np.eye(2) + matrix) / 2,
                 (c * np.eye(2) - matrix) / 2,
-            )  # times c: the projectors
+            )  # c times the projectors
             outer = state[:, :1] if on_left else state[:, -1:]
             # Nothing comes in from outside: the field that runs inward is zero there.
             outer = (runs_left if on_left else runs_right) @ outer / c
@@ -78,7 +78,7 @@ def test_steps_are_those_of_the_text(condition: Condition, order: int) -> None:
     for _ in range(25):
         solver.step()
     u, sigma = by_the_book(setting, 25)
-    velocity, stress = solver._physical(solver.toward[:, ::-1], solver.away)
+    velocity, stress = solver.physical(solver.toward[:, ::-1], solver.away)
     assert np.concatenate([velocity[0, ::-1], velocity[1]]) == pytest.approx(u, abs=1e-12 * np.abs(u).max())
     assert np.concatenate([stress[0, ::-1], stress[1]]) == pytest.approx(sigma, abs=1e-12 * np.abs(sigma).max())
 
@@ -125,7 +125,7 @@ def test_the_observed_growth_is_the_predicted_one() -> None:
 
 
 def test_the_new_condition_decays_alike_at_every_ratio() -> None:
-    """Figures 6 to 8: no admissible mode; what is left decays as the finite grid's mode does, the paper's black line."""
+    """Figures 6 to 8: no admissible mode; the rest decays as the finite grid's mode does, the paper's black line."""
     for each in (*figure_6(), *figure_7()):
         assert each.predicted is None and each.history.complete
         assert each.root == pytest.approx(0.55) and each.growth.rate == pytest.approx(0.55, abs=1e-6)
