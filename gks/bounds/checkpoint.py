@@ -28,7 +28,7 @@ LADDER = (128, 256, 512, 1024, 2048)
 
 
 FAR_BITS = (40, 120)
-"""Exponents of two at which Delta is looked at far out: it falls by 2**-80 at least from one to the other if Delta(oo) = 0."""
+"""Exponents of two at which Delta is looked at far out: between them it falls by 2**-80 at least if Delta(oo) = 0."""
 
 Ends = Callable[[int], Mapping[str, acb]]
 """A point as balls at a precision in bits."""
@@ -80,7 +80,7 @@ class Judge:
     def loses_root(self, wall: fmpz_mpoly) -> bool:
         """Whether a root of the characteristic polynomial goes to infinity on a wall, with z: Delta(oo) vanishes there.
 
-        Told where the spatial roots have no other choice and sigma = infinity is z = infinity; else False, nothing known.
+        Told where the spatial roots have no other choice and sigma = infinity is z = infinity; else False, not known.
         """
         leads = [parts_of(f, self.problem.variable)[-1] for f in self.own]
         if any(f.decaying not in (0, degree(f.part, "x")) for f in self.problem.families) or not self.problem.explicit:

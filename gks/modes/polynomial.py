@@ -22,9 +22,8 @@ from gks.modes.determinant import determinant
 from gks.modes.factoring import irreducible_factors
 from gks.modes.fibre import coefficients as powers_of
 from gks.modes.kreiss import Family, NormalModeProblem, kreiss_matrix, longest, newton_columns
+from gks.modes.route import beyond_elimination
 
-ELIMINATION_SHEETS = 200
-"""Ways to choose the roots, beyond which the norm's degree makes the numeric route the better one."""
 ELIMINATION_SIZE = 32
 """Closure equations, those that pin unread points included, up to which a determinant of polynomials is taken."""
 
@@ -74,18 +73,13 @@ class Elimination:
 def characteristic_factors(problem: NormalModeProblem) -> Elimination:
     """Eliminates the spatial roots.
 
-    What Delta has as a factor on every sheet is split off first, so that the norm does not count it once a sheet. Raises
-    TooWide, and Degenerate where the determinant is zero as a formula.
+    What Delta has as a factor on every sheet is split off first, so that the norm does not count it once a sheet.
+    Raises TooWide, and Degenerate where the determinant is zero as a formula.
     """
     if problem.size > ELIMINATION_SIZE:
         raise TooWide(f"the closure has {problem.size} unknowns (limit of the elimination {ELIMINATION_SIZE})")
-    sheets = 1
-    for family in problem.families:
-        sheets *= _sheets(family)
-    if sheets > ELIMINATION_SHEETS:
-        raise TooWide(
-            f"the elimination would have to tell {sheets} choices of spatial roots apart (limit {ELIMINATION_SHEETS})"
-        )
+    if beyond_elimination(problem):
+        raise TooWide("the scheme is too wide for the elimination: too many choices of spatial roots")
     carriers = _carriers(problem)
     delta = symbolic_determinant(problem, carriers)
     if delta.is_zero():
@@ -111,13 +105,6 @@ def _free_of(polynomial: fmpz_mpoly, variables: Sequence[str]) -> fmpz_mpoly:
         if common.is_constant():
             return polynomial.context().constant(1)
     return common
-
-
-def _sheets(family: Family) -> int:
-    ways = 1
-    for k in range(_carried(family)):
-        ways *= family.degree - k
-    return ways
 
 
 def _carried(family: Family) -> int:
@@ -221,8 +208,8 @@ def _norm_of_the_rest(delta: fmpz_mpoly, carriers: Sequence[_Carrier]) -> fmpz_m
     """The product over the sheets on which Delta does not vanish identically.
 
     It is the lowest coefficient in t of the product of Delta + t over all sheets: those that vanish give t. (A common
-    factor of the norm so far and the next relation would not do: a sheet that is lost may be tied to one that is not, as
-    k_2 = 1/k_1 beside k_2 = -k_1.)
+    factor of the norm so far and the next relation would not do: a sheet that is lost may be tied to one that is not,
+    as k_2 = 1/k_1 beside k_2 = -k_1.)
     """
     used = sum(len(carrier.variables) for carrier in carriers)
     if used == KAPPA_VARIABLES:

@@ -122,7 +122,7 @@ class ModesResult:
             lines.append(
                 f"  {text_complex(mode.z):<46} {text_real(mode.modulus):<22} {mode.multiplicity:<5} {mode.kind.value}"
             )
-        tier = f"{self.tier}, certified" if self.certified else self.tier
+        tier = f"{self.tier}, certified" if self.certified and self.tier != "certified" else self.tier
         lines += ["", f"  ({tier}, {self.time_s:.3g} s)"]
         return "\n".join(lines)
 

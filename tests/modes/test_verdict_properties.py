@@ -205,9 +205,12 @@ def test_a_named_operator_is_what_it_says(space: str, time: str, speed: int) -> 
         return
     named = scalar("right", closure, f'flux = [["{speed}"]]\nspace = "{space}"\ntime = "{time}"')
     written = scalar("right", closure, f'interior = ["{interior}"]\ntime = "{time}"')
-    one, other = (analyse(scheme, scheme.values({})) for scheme in (named, written))
-    assert (one.verdict, one.modes) == (other.verdict, other.modes)
-    assert stable_set(named, {}).intervals == stable_set(written, {}).intervals
+    for lam in ("1/10", "3/10", "4/3"):
+        one, other = (analyse(scheme, scheme.values({"lam": lam})) for scheme in (named, written))
+        assert (one.verdict, one.modes) == (other.verdict, other.modes)
+    if space != "central4" and (space, speed) != ("upwind3", 1):
+        # Two inflow ghosts under four stages make exact stable sets a matter of minutes.
+        assert stable_set(named, {}).intervals == stable_set(written, {}).intervals
 
 
 @pytest.mark.parametrize("scheme", ["lax-friedrichs", "lax-wendroff", "beam-warming", "fromm"])
