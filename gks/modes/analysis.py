@@ -14,7 +14,7 @@ from gks.errors import InputError
 from gks.modes.admissible import Admissible, Candidate, admissible, point_of
 from gks.modes.algebraic import GUARD_BITS, Position, Root, Side, isolated_roots
 from gks.modes.coefficients import value_ball
-from gks.modes.crossing import modes_at, regular_problem
+from gks.modes.crossing import foreign, modes_at, regular_problem
 from gks.modes.fibre import VanishesIdentically, fibre, univariate
 from gks.modes.height import zero_exponent
 from gks.modes.interior import interior_stability
@@ -193,9 +193,17 @@ def _modes(problem: NormalModeProblem, *, inner: bool = True) -> tuple[list[Mode
                 if candidate.position is not Position.INSIDE:
                     doubts.append(f"{reason} (at abs(z) = {_modulus_text(problem, candidate)})")
             else:
-                if not clears or mode.kind is not ModeKind.INADMISSIBLE:
+                if not _unlisted(problem, candidate, mode, clears):
                     modes.append(mode)
     return modes, doubts
+
+
+def _unlisted(problem: NormalModeProblem, candidate: Candidate, mode: Mode, clears: bool) -> bool:
+    """Whether a root is there for what was cleared or substituted, and is not one of the closure's."""
+    if mode.kind is ModeKind.INADMISSIBLE and clears:
+        return True
+    idle = mode.kind in (ModeKind.INADMISSIBLE, ModeKind.DECAYING)
+    return problem.coupled and idle and foreign(problem, candidate)
 
 
 def eliminated(problem: NormalModeProblem) -> Elimination:

@@ -22,13 +22,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-from flint import fmpz_mpoly
+from flint import ctx, fmpz_mpoly
 
 from gks.errors import NotAnalysable
-from gks.modes.algebraic import Root
+from gks.modes.algebraic import GUARD_BITS, START_BITS, Root
 from gks.modes.coefficients import Coefficients, Ratio, common_denominator
 from gks.modes.determinant import determinant
-from gks.modes.fibre import VanishesIdentically, fibre, is_zero, specialise
+from gks.modes.fibre import VanishesIdentically, at_balls, fibre, is_zero, specialise
 from gks.modes.fibre import coefficients as powers_of
 from gks.modes.field import Field, mirrored, without_content
 from gks.modes.resolvent import Resolvent
@@ -93,6 +93,10 @@ class CoupledField(Field):
     def vanishes(self, point: Mapping[str, Root], root: Root) -> bool:
         """Whether c is zero at a spatial root, so that w does not give the solution there."""
         at = {**point, "x": root}
+        with ctx.workprec(START_BITS + GUARD_BITS):
+            balls = {name: each.ball(START_BITS) for name, each in at.items()}
+            if any(not at_balls(c, balls).contains(0) for c in self.column):
+                return False
         return all(is_zero(at, c) for c in self.column)
 
 

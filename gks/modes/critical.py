@@ -33,6 +33,10 @@ from gks.modes.polynomial import Degenerate, Factor, characteristic_factors
 from gks.modes.solvable import degenerate_closure
 
 
+MAPPED_DEGREE = 40
+"""Degree in lam up to which z is followed as an algebraic function: beyond it the resultants take minutes."""
+
+
 def critical_polynomials(problem: NormalModeProblem) -> Iterator[fmpz_poly]:
     """Integer polynomials in lam with every closure-made critical value among their positive roots.
 
@@ -70,6 +74,8 @@ def growth_factors(problem: NormalModeProblem, factors: Iterable[Factor]) -> lis
     for factor in factors:
         mapped = [factor.polynomial]
         if problem.time_map is not None:
+            if degree_in(factor.polynomial, "s") * degree_in(problem.time_map, "s") > MAPPED_DEGREE:
+                raise TooWide(f"the modes s of degree {degree_in(factor.polynomial, 's')} are too many to follow in lam")
             mapped = [g for g, _ in irreducible_factors(factor.polynomial.resultant(problem.time_map, "s"))]
         for polynomial in mapped:
             if degree_in(polynomial, "z") or degree_in(polynomial, "s"):

@@ -239,7 +239,8 @@ def _sorted_out(
             known = found.get(str(polynomial))
             multiplicity = max(1, power // repeats) + (known.multiplicity if known else 0)
             found[str(polynomial)] = Factor(polynomial, multiplicity)
-    own, clearing = [], []
+    own: list[Factor] = []
+    clearing: list[Factor] = []
     for factor in found.values():
         clears = any(divmod(f, factor.polynomial)[1].is_zero() for f in foreign)
         (clearing if clears else own).append(factor)

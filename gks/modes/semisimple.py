@@ -9,8 +9,7 @@ kappa = kappa0 (1 + i theta + ...).
 * Distinct w keep the eigenvectors apart as theta -> 0: the powers are bounded as soon as all abs(z) <= 1.
 * If W is defective, z0**-n times the n-th power tends to exp(t W) as theta -> 0 with n theta = t, which has no bound in
   t: the system is not stable.
-* Equal w with a full set of eigenvectors are left open, unless it is one branch that all of D and adj(M) count alike:
-  a factor f of D to the power e that divides adj(M) to the power e - 1 has e independent solutions everywhere on it.
+* Equal w with a full set of eigenvectors are left open.
 """
 
 from __future__ import annotations
@@ -24,7 +23,6 @@ from flint import fmpz_mpoly
 from gks.modes.algebraic import Root
 from gks.modes.coupled import System
 from gks.modes.crossing import clean
-from gks.modes.factoring import irreducible_factors
 from gks.modes.fibre import fibre, is_zero, value
 from gks.modes.kreiss import NormalModeProblem
 from gks.modes.undecided import Undecided
@@ -88,32 +86,13 @@ class DoubleRoots:
         context = self.problem.coefficients.context
         form = _form(self.system.symbol, self.problem.variable, d, context.gens()[context.names().index("k0")])
         repeated = [root for root in fibre(at, form, "k0") if root.multiplicity > 1]
-        if not repeated or self._one_branch(at, d):
-            return True
         for root in repeated:
             speed = {**at, "k0": root.root}
             if not _full(self.system, self.problem.variable, d, root.multiplicity, speed):
                 return False
+        if not repeated:
+            return True
         raise Undecided("waves of one group velocity meet on the circle in a coupled interior")
-
-    def _one_branch(self, at: Point, d: int) -> bool:
-        """Whether repeated velocities come from repeated factors alone, which adj(M) repeats once less."""
-        context = self.problem.coefficients.context
-        speed = context.gens()[context.names().index("k0")]
-        entries = [entry for column in self.system.adjugate() for entry in column]
-        product = context.constant(1)
-        order = 0
-        for factor, power in irreducible_factors(self.system.symbol):
-            if not is_zero(at, factor):
-                continue
-            simple = factor.derivative(self.problem.variable)
-            if is_zero(at, simple):
-                return False
-            if any(not divmod(entry, factor ** (power - 1))[1].is_zero() for entry in entries):
-                return False
-            product *= _form(factor, self.problem.variable, 1, speed)
-            order += power
-        return order == d and all(root.multiplicity == 1 for root in fibre(at, product, "k0"))
 
 
 def _form(symbol: fmpz_mpoly, variable: str, d: int, w: fmpz_mpoly) -> fmpz_mpoly:
