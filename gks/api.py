@@ -17,8 +17,8 @@ from gks.errors import ParameterError, TooLarge
 
 if TYPE_CHECKING:
     from gks.bounds.audit import Audit
-    from gks.bounds.theorem import Theorem
     from gks.bounds.sweep import Sweep
+    from gks.bounds.theorem import Theorem
     from gks.modes import ModesResult
     from gks.modes.derive import Derivation
     from gks.reports.notebook import PicturedCurve

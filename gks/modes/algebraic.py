@@ -23,7 +23,6 @@ from typing import TypeVar, cast
 
 from flint import acb, arb, ctx, fmpq, fmpz_poly
 
-
 #: First working precision. Only speed depends on it: whatever 64 bits leave open is refined.
 START_BITS = 64
 

@@ -29,9 +29,8 @@ from gks.modes.factoring import irreducible_factors
 from gks.modes.fibre import coefficients as powers_of
 from gks.modes.fibre import specialise, univariate
 from gks.modes.kreiss import NormalModeProblem
-from gks.modes.polynomial import Degenerate, Factor, characteristic_factors
+from gks.modes.polynomial import Degenerate, Factor, TooWide, characteristic_factors
 from gks.modes.solvable import degenerate_closure
-
 
 MAPPED_DEGREE = 40
 """Degree in lam up to which z is followed as an algebraic function: beyond it the resultants take minutes."""
@@ -40,8 +39,8 @@ MAPPED_DEGREE = 40
 def critical_polynomials(problem: NormalModeProblem) -> Iterator[fmpz_poly]:
     """Integer polynomials in lam with every closure-made critical value among their positive roots.
 
-    ``problem`` has lam as its one symbol. Raises what ``characteristic_factors`` raises, but SchemeError for a determinant
-    that is zero as a formula.
+    ``problem`` has lam as its one symbol. Raises what ``characteristic_factors`` raises, but SchemeError for a
+    determinant that is zero as a formula.
     """
     lam = problem.coefficients.variable(problem.resolvent.cfl)
     try:
@@ -75,7 +74,7 @@ def growth_factors(problem: NormalModeProblem, factors: Iterable[Factor]) -> lis
         mapped = [factor.polynomial]
         if problem.time_map is not None:
             if degree_in(factor.polynomial, "s") * degree_in(problem.time_map, "s") > MAPPED_DEGREE:
-                raise TooWide(f"the modes s of degree {degree_in(factor.polynomial, 's')} are too many to follow in lam")
+                raise TooWide("the modes s are too many to be followed in lam through this integrator")
             mapped = [g for g, _ in irreducible_factors(factor.polynomial.resultant(problem.time_map, "s"))]
         for polynomial in mapped:
             if degree_in(polynomial, "z") or degree_in(polynomial, "s"):

@@ -6,6 +6,7 @@ import csv
 import io
 import json
 from fractions import Fraction
+from typing import cast
 
 import pytest
 from hypothesis import given, settings
@@ -195,7 +196,7 @@ class TestForms:
         scheme = catalogue.find("traditional-1")
         data = curve(scheme, scheme.values({"alpha": "31/9"})).to_json()
         assert data["sweep"] is None
-        (point,) = data["points"]  # type: ignore[misc]
+        point = cast("list[dict[str, float]]", data["points"])[0]
         assert "alpha" not in point
         assert point["lam_max"] == 0.9
         # 9/10 is no double: the number shown is its rounding, and says so.

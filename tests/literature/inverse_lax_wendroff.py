@@ -71,4 +71,4 @@ def growth(order: int, known: int, sigma: Fraction, lam: float) -> float:
             row.append(v[place] * y**order - inside)
         rows.append(row)
     determinant = rows[0][0] * rows[1][1] - rows[0][1] * rows[1][0]
-    return float(np.abs(determinant.roots() + a).max())
+    return max(abs(complex(root) + a) for root in determinant.roots())

@@ -41,7 +41,7 @@ def first_order(side: Callable[[int], tuple[Symbolic, Symbolic]]) -> tuple[Symbo
 def second_order(side: Callable[[int], tuple[Symbolic, Symbolic]]) -> tuple[Symbolic, Symbolic]:
     """Linear extrapolation from cells 0 and one further in to the interface, half a cell away."""
     further = side(-1) if side is left else side(1)
-    return tuple(sympy.Rational(3, 2) * p - sympy.Rational(1, 2) * q for p, q in zip(side(0), further, strict=True))  # type: ignore[return-value]
+    return tuple(sympy.Rational(3, 2) * p - sympy.Rational(1, 2) * q for p, q in zip(side(0), further, strict=True))
 
 
 State = tuple[Symbolic, Symbolic]

@@ -37,7 +37,7 @@ class TestLeapfrogWithExtrapolation:
         assert found.verdict is Verdict.GENERALIZED
         (mode,) = [m for m in found.modes if m.kind.value == "generalized"]
         assert mode.z_complex == -1
-        assert mode.kappa["R"] == ((1, 0),)
+        assert mode.kappa["R"] == ((Fraction(1), Fraction(0)),)
 
     def test_its_neighbour_with_the_time_level_moved_is_stable(self) -> None:
         assert verdict(half_line("leapfrog", OBLIQUE), lam="1/2") is Verdict.STABLE
@@ -95,7 +95,7 @@ class TestBackwardEulerWithAnExplicitBoundary:
         (mode,) = [m for m in found.modes if m.kind.value == "eigenvalue"]
         assert mode.z_complex == -1
         ((real, imaginary),) = mode.kappa["R"]
-        assert (float(real), imaginary) == (-1 / 3, 0)
+        assert float(real) == -1 / 3 and not imaginary
 
     def test_a_tolerance_calls_it_either_way(self) -> None:
         scheme = half_line("backward-euler", ONE_SIDED)
@@ -111,7 +111,7 @@ class TestImpedanceWeightedCoupling:
     def test_one_root_of_multiplicity_two_that_is_no_mode(self) -> None:
         found = analyse(self.SCHEME, self.SCHEME.values({"alpha": 3}))
         (mode,) = found.modes
-        assert (mode.multiplicity, mode.kind.value, mode.z[1]) == (2, "inadmissible", 0)
+        assert (mode.multiplicity, mode.kind.value) == (2, "inadmissible") and not mode.z[1]
         assert abs(mode.z[0] - Fraction(11, 20)) <= mode.radius < Fraction(1, 10**20)
         assert found.verdict is Verdict.STABLE
 
