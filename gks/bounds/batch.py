@@ -136,12 +136,19 @@ def _closure(problem: NormalModeProblem, factor: fmpz_mpoly, swept: str, paramet
         error=np.stack([error for _, error in parts], axis=1),
     )
     result = everything(len(parameter.hi))
-    for k in range(found.hi.shape[1]):
-        hi, lo, radius = found.hi[:, k], found.lo[:, k], found.radius[:, k]
-        # Coefficients are real: a disk that meets the real axis holds its root's conjugate, so its root is real.
-        real = np.abs(hi.imag + lo.imag) <= radius * np.abs(hi)
-        imaginary = Real(np.where(real, 0.0, hi.imag), np.where(real, 0.0, lo.imag))
-        mine = stable_intervals(method, Real(hi.real.copy(), lo.real.copy()), imaginary, radius)
+    # Coefficients are real: a disk that meets the real axis holds its root's conjugate, so its root is real; the others
+    # come in conjugate pairs with the same limits, and those below the axis at every point are passed over.
+    real = np.abs(found.hi.imag + found.lo.imag) <= found.radius * np.abs(found.hi)
+    height = np.where(real, 0.0, found.hi.imag)
+    order = np.argsort(-height, axis=1, kind="stable")
+    height, hi, lo, radius, on_axis = (
+        np.take_along_axis(each, order, axis=1) for each in (height, found.hi, found.lo, found.radius, real)
+    )
+    for k in range(hi.shape[1]):
+        if (height[:, k] < 0).all():
+            break
+        imaginary = Real(np.where(on_axis[:, k], 0.0, hi[:, k].imag), np.where(on_axis[:, k], 0.0, lo[:, k].imag))
+        mine = stable_intervals(method, Real(hi[:, k].real.copy(), lo[:, k].real.copy()), imaginary, radius[:, k])
         result = intersect(result, mine)
     result.resolved[:] &= found.resolved
     return result
