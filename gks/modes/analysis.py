@@ -54,11 +54,8 @@ def analyse(scheme: Scheme, values: Mapping[str, Fraction]) -> ModesResult:
     listed = tuple(sorted(found.modes, key=_order))
     kept = [mode.modulus for mode in listed if mode.kind is not ModeKind.INADMISSIBLE]
     margin = 1 - max(kept) if kept else None
-    if (
-        any(mode.kind in (ModeKind.EIGENVALUE, ModeKind.GENERALIZED) for mode in listed)
-        and margin is not None
-        and margin > 0
-    ):
+    on_circle = any(mode.kind in (ModeKind.EIGENVALUE, ModeKind.GENERALIZED) for mode in listed)
+    if on_circle and margin is not None and margin > 0:
         margin = Fraction(0)
     return ModesResult(
         scheme,

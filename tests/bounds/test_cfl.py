@@ -89,22 +89,22 @@ def _isolated(scheme: Scheme, lam: Fraction) -> bool:
 
 class TestIsolatedLam:
     def test_an_unstable_lam_splits_the_interval_and_ends_lam_max(self) -> None:
-        """z = 1 - 4 (lam - 1/2)**2 at the boundary value, which feeds the interior: neutral at lam = 1/2 alone."""
+        """z = 1 - 4 (lam - 1/2)**2 for a boundary value that feeds the interior: z = kappa = 1 at lam = 1/2 alone."""
         scheme = inflow("u[-1, n+1] = (1 - 4*(lam - 1/2)**2)*u[-1]")
         found = stable_set(scheme, {})
         assert ends(found) == [None, Fraction(1, 2), Fraction(1, 2), 1]
         assert found.lam_max is not None
         assert found.lam_max.rational == Fraction(1, 2)
         assert found.limited_by == "closure"
-        assert analyse(scheme, {"lam": Fraction(1, 2)}).verdict is Verdict.NEUTRAL
+        assert analyse(scheme, {"lam": Fraction(1, 2)}).verdict is Verdict.GENERALIZED
         assert analyse(scheme, {"lam": Fraction(1, 2) + TINY}).verdict is Verdict.STABLE
 
     def test_at_an_irrational_lam_too(self) -> None:
         found = stable_set(inflow("u[-1, n+1] = (1 - (2*lam**2 - 1)**2)*u[-1]"), {})
         np.testing.assert_allclose([float(e) for e in ends(found) if e is not None], [2**-0.5, 2**-0.5, 1])
 
-    def test_a_stable_point_alone_is_left_out(self) -> None:
-        """z = 1 + 4 (lam - 1/2)**2 but for lam = 1/2, where it is 1; and 2 abs(lam - 1/2) grows nowhere below 1."""
+    def test_a_set_that_does_not_begin_at_zero_has_no_lam_max(self) -> None:
+        """z = 1/2 + 16 (lam - 1/2)**2, below 1 within sqrt(1/32) of lam = 1/2."""
         found = stable_set(inflow("u[-1, n+1] = (1/2 + 16*(lam - 1/2)**2)*u[-1]"), {})
         low, high = (float(e) for e in ends(found) if e is not None)
         np.testing.assert_allclose([low, high], [0.5 - 32**-0.5, 0.5 + 32**-0.5])
@@ -122,8 +122,11 @@ class TestIsolatedLam:
         assert ends(found) == [None, Fraction(1, 2), Fraction(1, 2), 1]
 
     def test_a_closure_that_is_degenerate_for_every_lam_is_an_error(self) -> None:
-        with pytest.raises(SchemeError, match="degenerate"):
-            stable_set(inflow("u[-1, n+1] - u[-1] = u[-1, n+1] - u[-1] + 0*u[0]"), {})
+        """Two ghosts, and twice the same equation for them."""
+        interior = "u[i, n+1] = u[i] - lam/2*(3*u[i] - 4*u[i-1] + u[i-2]) + lam**2/2*(u[i] - 2*u[i-1] + u[i-2])"
+        scheme = half_line(interior, "u[-1] = 2*u[-2]", "lam*u[-1] = 2*lam*u[-2]", first=0)
+        with pytest.raises(SchemeError, match="degenerate|undetermined"):
+            stable_set(scheme, {})
 
 
 class TestWhatLimits:
