@@ -13,7 +13,9 @@ import pytest
 from gks import catalogue
 from gks.scheme.model import GridValue, Scheme
 
-NAMES = catalogue.names()
+PAPER = "Banks & Sjögreen, eq"
+EVERY = catalogue.names()
+NAMES = [name for name in EVERY if catalogue.find(name).source.startswith(PAPER)]
 FIRST_ORDER = [name for name in NAMES if "-1" in name]
 SECOND_ORDER = [name for name in NAMES if "-2" in name]
 STEEP = {"alpha": Fraction(7, 3)}
@@ -60,16 +62,16 @@ def position(value: GridValue) -> Fraction:
     return value.index + (Fraction(1, 2) if value.domain == "R" else Fraction(-1, 2))
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", EVERY)
 def test_every_file_has_title_source_and_claims(name: str) -> None:
     scheme = catalogue.find(name)
     assert scheme.title
-    assert scheme.source.startswith("Banks & Sjögreen, eq")
+    assert scheme.source
     assert scheme.claims
     assert all(claim.source for claim in scheme.claims)
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", EVERY)
 def test_the_list_says_what_the_file_says(name: str) -> None:
     (entry,) = (entry for entry in catalogue.Listing().entries if entry.name == name)
     scheme = catalogue.find(name)

@@ -2,7 +2,8 @@
 
 Cells at x_i = (i + sigma) dx. A ghost value is the Taylor polynomial at the boundary: its first ``known`` terms come from
 the boundary data and the equation (0 here), the others from the polynomial of degree ``order - 1`` through the first
-``order`` cells (Li, Shu & Zhang, J. Comput. Phys. 317 (2016); Boutin, Le & Seguin, arXiv:2110.11680).
+``order`` cells (Li, Shu & Zhang, J. Comput. Appl. Math. 299 (2016); Boutin, Le Barbenchon & Seguin on totally upwind
+schemes, which judges this example).
 """
 
 from __future__ import annotations
