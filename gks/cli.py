@@ -29,6 +29,37 @@ class _Parser(argparse.ArgumentParser):
         self.exit(2, f"{self.prog}: {message}; see `{self.prog} --help`\n")
 
 
+class _Commands:
+    """Adds the commands, each with the arguments that it shares with others."""
+
+    def __init__(self, commands: argparse._SubParsersAction[_Parser]) -> None:
+        self._commands = commands
+
+    def plain(self, name: str, purpose: str, *, file: bool = True, json: bool = True) -> argparse.ArgumentParser:
+        """A command of that name: FILE and --json unless it has no use for them."""
+        sentence = purpose[0].upper() + purpose[1:] + "."
+        sub = self._commands.add_parser(name, help=purpose, description=sentence, allow_abbrev=False)
+        sub.set_defaults(command=name)
+        if file:
+            sub.add_argument("file", metavar="FILE", help="a scheme file, or the name of a shipped scheme")
+        if json:
+            sub.add_argument("--json", action="store_true", help="print one JSON object and nothing else")
+        return sub
+
+    def parametrised(self, name: str, purpose: str) -> argparse.ArgumentParser:
+        """One that takes parameter values too."""
+        sub = self.plain(name, purpose)
+        sub.add_argument(
+            "-p",
+            action="append",
+            default=[],
+            metavar="NAME=VALUE",
+            dest="settings",
+            help="set a parameter, exactly: 9/10, 0.9, 1e-10 (may be repeated)",
+        )
+        return sub
+
+
 def parser() -> argparse.ArgumentParser:
     """The parser of the whole command line; `command` names the function of `gks.commands` that carries it out."""
     top = _Parser(
@@ -40,34 +71,13 @@ def parser() -> argparse.ArgumentParser:
     top.add_argument("--version", action="version", version=f"gks {gks.__version__}")
     commands = top.add_subparsers(title="commands", metavar="COMMAND", required=True)
 
-    def command(name: str, purpose: str, *, file: bool = True, json: bool = True) -> argparse.ArgumentParser:
-        sentence = purpose[0].upper() + purpose[1:] + "."
-        sub = commands.add_parser(name, help=purpose, description=sentence, allow_abbrev=False)
-        sub.set_defaults(command=name)
-        if file:
-            sub.add_argument("file", metavar="FILE", help="a scheme file, or the name of a shipped scheme")
-        if json:
-            sub.add_argument("--json", action="store_true", help="print one JSON object and nothing else")
-        return sub
-
-    def parametrised(name: str, purpose: str) -> argparse.ArgumentParser:
-        sub = command(name, purpose)
-        sub.add_argument(
-            "-p",
-            action="append",
-            default=[],
-            metavar="NAME=VALUE",
-            dest="settings",
-            help="set a parameter, exactly: 9/10, 0.9, 1e-10 (may be repeated)",
-        )
-        return sub
-
-    command("list", "the shipped schemes", file=False)
-    new = command("new", "write a commented scheme file to start from", file=False, json=False)
+    command = _Commands(commands)
+    command.plain("list", "the shipped schemes", file=False)
+    new = command.plain("new", "write a commented scheme file to start from", file=False, json=False)
     new.add_argument("name", metavar="NAME", help="the file to write, .toml added if missing; never overwrites")
-    parametrised("derive", "the characteristic polynomial and how its roots map to z")
-    parametrised("modes", "the normal modes and the verdict at one set of parameter values")
-    curve = parametrised("curve", "the largest stable CFL number and all stable intervals, over a parameter")
+    command.parametrised("derive", "the characteristic polynomial and how its roots map to z")
+    command.parametrised("modes", "the normal modes and the verdict at one set of parameter values")
+    curve = command.parametrised("curve", "the largest stable CFL number and all stable intervals, over a parameter")
     curve.add_argument(
         "--sweep",
         metavar="NAME=LO:HI:COUNT[:log]",
@@ -81,15 +91,15 @@ def parser() -> argparse.ArgumentParser:
         dest="outputs",
         help="write to OUT instead; its ending says what: .csv .json .png .svg .pdf (may be repeated)",
     )
-    prove = parametrised("prove", "the stable region over the ranged parameter, as a theorem with a certificate")
+    prove = command.parametrised("prove", "the stable region over a parameter, as a theorem with a certificate")
     prove.add_argument("--limit", type=_seconds, metavar="SECONDS", help="how long it may take (default: no limit)")
     prove.add_argument("-o", metavar="OUT", dest="output", help="write the certificate to OUT, a .json file")
-    check = command("check", "verify a certificate with code that the prover does not share", file=False)
+    check = command.plain("check", "verify a certificate with code that the prover does not share", file=False)
     check.add_argument("file", metavar="CERTIFICATE", help="a file that `gks prove -o` wrote")
-    audit = command("audit", "the claims of a scheme file, held against what is derived", file=False)
+    audit = command.plain("audit", "the claims of a scheme file, held against what is derived", file=False)
     audit.add_argument("file", metavar="FILE", nargs="?", help="a scheme file, or the name of a shipped scheme")
     audit.add_argument("--all", action="store_true", help="audit every shipped scheme instead, as one table")
-    march = parametrised("march", "growth per step observed in a march, beside what the modes predict")
+    march = command.parametrised("march", "growth per step observed in a march, beside what the modes predict")
     march.add_argument("--cells", type=_count, metavar="N", help="cells a side (default: as many as the modes need)")
     march.add_argument("--steps", type=_count, metavar="N", help="steps (default: as many as the growth needs)")
     return top
