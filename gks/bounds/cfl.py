@@ -9,20 +9,20 @@ exact verdict at the algebraic number between them says whether an isolated unst
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Literal
 
-from flint import fmpz_poly
-
-from gks.errors import InputError
+from gks.errors import InputError, NotAnalysable
 from gks.modes.algebraic import Root
 from gks.modes.analysis import quick_verdict
 from gks.modes.cauchy_set import CauchySet, rationals_between
-from gks.modes.critical import critical_polynomials, positive_roots
+from gks.modes.clear import clear_of_modes
+from gks.modes.critical import critical_polynomials, lam_elimination, positive_roots
 from gks.modes.interior import interior_limits
-from gks.modes.kreiss import normal_mode_problem, spatial_problem
+from gks.modes.kreiss import NormalModeProblem, normal_mode_problem, spatial_problem
+from gks.modes.polynomial import Elimination
 from gks.modes.unimodular import by_real_part
 from gks.modes.verdict import Verdict
 from gks.scheme.model import Scheme
@@ -64,26 +64,44 @@ def stable_set(scheme: Scheme, values: Mapping[str, Fraction]) -> StableSet:
     """
     sample = {**values, scheme.cfl: values.get(scheme.cfl, Fraction(1))}
     interior = interior_limits(spatial_problem(scheme, sample, (scheme.cfl,)))
-    closure = positive_roots(_critical(scheme, sample, interior))
+    sides = _sides(scheme, sample, interior)
+    closure = positive_roots(p for side in sides for p in critical_polynomials(side.problem, side.elimination))
     critical = by_real_part(_distinct([*_ends(interior), *closure]))
     pieces = [_piece(scheme, values, lam, interior) for lam in rationals_between(critical)]
-    return _assembled(scheme, values, critical, pieces, interior)
+    return _assembled(scheme, values, critical, pieces, interior, sides)
 
 
-def _critical(scheme: Scheme, sample: Mapping[str, Fraction], interior: Sequence[CauchySet]) -> Iterator[fmpz_poly]:
-    """Critical polynomials of the closure, from one Cauchy-stable lam in each piece that the interior leaves.
+@dataclass(frozen=True, slots=True)
+class _Side:
+    """A Cauchy-stable piece of the lam axis, with the problem that has its number of decaying solutions."""
+
+    low: Root | None
+    high: Root | None
+    problem: NormalModeProblem
+    elimination: Elimination
+
+    def holds(self, lam: Root) -> bool:
+        return (self.low is None or self.low < lam) and (self.high is None or lam < self.high)
+
+
+def _sides(scheme: Scheme, sample: Mapping[str, Fraction], interior: Sequence[CauchySet]) -> list[_Side]:
+    """One for each piece that the interior leaves.
 
     The number of decaying solutions is constant on such a piece, not from one to the next.
     """
-    seen: set[tuple[int, ...]] = set()
-    for lam in rationals_between(by_real_part(_distinct(_ends(interior)))):
+    cuts = by_real_part(_distinct(_ends(interior)))
+    sides: list[_Side] = []
+    known: dict[tuple[int, ...], tuple[NormalModeProblem, Elimination]] = {}
+    ends: list[Root | None] = [None, *cuts, None]
+    for k, lam in enumerate(rationals_between(cuts)):
         if not all(each.contains(Root.of(lam)) for each in interior):
             continue
         problem = normal_mode_problem(scheme, {**sample, scheme.cfl: lam}, (scheme.cfl,))
         counts = tuple(family.decaying for family in problem.families)
-        if counts not in seen:
-            seen.add(counts)
-            yield from critical_polynomials(problem)
+        if counts not in known:
+            known[counts] = problem, lam_elimination(problem)
+        sides.append(_Side(ends[k], ends[k + 1], *known[counts]))
+    return sides
 
 
 def _distinct(roots: Sequence[Root]) -> list[Root]:
@@ -110,6 +128,7 @@ def _assembled(
     critical: Sequence[Root],
     pieces: Sequence[Verdict],
     interior: Sequence[CauchySet],
+    sides: Sequence[_Side],
 ) -> StableSet:
     intervals: list[Interval] = []
     undecided = "a piece of the lam axis is undecided" if Verdict.UNDECIDED in pieces else None
@@ -119,7 +138,7 @@ def _assembled(
             continue
         low, high = ends[k], ends[k + 1]
         if low is not None and intervals and intervals[-1].high is low:
-            between = _at_point(scheme, values, low, interior)
+            between = _at_point(scheme, values, low, interior, sides)
             if between is Verdict.STABLE:
                 intervals[-1] = Interval(intervals[-1].low, high)
                 continue
@@ -129,10 +148,17 @@ def _assembled(
     return StableSet(tuple(intervals), _limited_by(intervals, interior), undecided)
 
 
-def _at_point(scheme: Scheme, values: Mapping[str, Fraction], lam: Root, interior: Sequence[CauchySet]) -> Verdict:
+def _at_point(
+    scheme: Scheme, values: Mapping[str, Fraction], lam: Root, interior: Sequence[CauchySet], sides: Sequence[_Side]
+) -> Verdict:
+    """The verdict at a critical lam: by balls where they prove it stable, else exactly."""
+    if any(side.holds(lam) and clear_of_modes(side.problem, side.elimination, lam) for side in sides):
+        return Verdict.STABLE
     rational = lam.rational
     try:
         return _piece(scheme, values, lam if rational is None else rational, interior)
+    except NotAnalysable:
+        return Verdict.UNDECIDED
     except InputError:
         # No scheme exists at this single value (a division by zero there, a degenerate closure).
         return Verdict.UNSTABLE

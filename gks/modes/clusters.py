@@ -26,6 +26,9 @@ APART = 24.0
 #: Relative size of a coefficient that cannot move a double-precision root of size 1 (the square of the rounding unit).
 NEGLIGIBLE = 2.0**-106
 
+#: Ratio of coefficients that a companion matrix in doubles holds, with room for its eigenvalue solver to square it.
+LARGEST = 2.0**500
+
 #: Attempts at a proof that may fail before the approximations are given up.
 DOUBTS = 2
 
@@ -147,6 +150,9 @@ def _roots_of_size_one(taylor: acb_poly, exponent: int, begin: int, end: int) ->
             k > end and abs(c) < NEGLIGIBLE * abs(doubles[end])
         ):
             doubles[k] = 0.0
+    lead = next((abs(c) for c in reversed(doubles) if c), 0.0)
+    if not lead or max(map(abs, doubles)) / LARGEST > lead:
+        return None  # the companion matrix would overflow
     roots = sorted(np.roots(doubles[::-1]), key=abs)
     chosen = roots[begin:end]
     return [complex(r) for r in chosen] if len(chosen) == end - begin else None

@@ -29,24 +29,27 @@ from gks.modes.factoring import irreducible_factors
 from gks.modes.fibre import coefficients as powers_of
 from gks.modes.fibre import specialise, univariate
 from gks.modes.kreiss import NormalModeProblem
-from gks.modes.polynomial import Degenerate, Factor, TooWide, characteristic_factors
+from gks.modes.polynomial import Degenerate, Elimination, Factor, TooWide, characteristic_factors
 from gks.modes.solvable import degenerate_closure
 
 MAPPED_DEGREE = 40
 """Degree in lam up to which z is followed as an algebraic function: beyond it the resultants take minutes."""
 
 
-def critical_polynomials(problem: NormalModeProblem) -> Iterator[fmpz_poly]:
-    """Integer polynomials in lam with every closure-made critical value among their positive roots.
-
-    ``problem`` has lam as its one symbol. Raises what ``characteristic_factors`` raises, but SchemeError for a
-    determinant that is zero as a formula.
-    """
-    lam = problem.coefficients.variable(problem.resolvent.cfl)
+def lam_elimination(problem: NormalModeProblem) -> Elimination:
+    """The elimination with lam as the one symbol; SchemeError for a determinant that is zero as a formula."""
     try:
-        elimination = characteristic_factors(problem)
+        return characteristic_factors(problem)
     except Degenerate:
         raise degenerate_closure(problem) from None
+
+
+def critical_polynomials(problem: NormalModeProblem, elimination: Elimination) -> Iterator[fmpz_poly]:
+    """Integer polynomials in lam with every closure-made critical value among their positive roots.
+
+    ``problem`` and its ``elimination`` have lam as their one symbol.
+    """
+    lam = problem.coefficients.variable(problem.resolvent.cfl)
     factors = growth_factors(problem, [*elimination.factors, *elimination.clearing])
     # At zeros of the first two the closure is degenerate or the scheme has no value: no verdict speaks for both sides.
     lost = [*elimination.idle, *map(problem.coefficients.norm, problem.coefficients.inverted.values())]

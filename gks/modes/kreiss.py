@@ -342,8 +342,12 @@ def closure_matrix(
 ) -> list[list[acb]]:
     """The Kreiss matrix in balls at the working precision; each block's columns in the order of its roots."""
     at = {name: root.ball(bits) for name, root in point.items()}
-    columns = [
-        newton_columns([r.ball(bits) for r in mine], longest(problem.rows, k), acb(0), acb(1))
-        for k, mine in enumerate(roots)
-    ]
+    return kreiss_matrix_at(problem, at, [[r.ball(bits) for r in mine] for mine in roots])
+
+
+def kreiss_matrix_at(
+    problem: NormalModeProblem, at: Mapping[str, acb], roots: Sequence[Sequence[acb]]
+) -> list[list[acb]]:
+    """The same with the point and the roots as balls."""
+    columns = [newton_columns(mine, longest(problem.rows, k), acb(0), acb(1)) for k, mine in enumerate(roots)]
     return kreiss_matrix(problem.rows, columns, lambda c: at_balls(c, at), acb(0))

@@ -20,6 +20,12 @@ RANK_BITS = 1 << 16
 """Precision beyond which a zero test is given up: a few seconds for the small matrices met here."""
 
 
+def ball_rank(matrix: Matrix) -> int | None:
+    """The rank where certain pivots use up all rows or columns, at the precision in force; None where some are left."""
+    rank, rest = _eliminate(matrix)
+    return rank if rest is None else None
+
+
 def certain_rank(matrix_at: Callable[[int], Matrix], most: int) -> int | None:
     """The rank where pivots that ``most`` bits keep away from 0 use up all rows or columns; None where some are
     left.
@@ -27,8 +33,8 @@ def certain_rank(matrix_at: Callable[[int], Matrix], most: int) -> int | None:
     bits = START_BITS
     while bits <= most:
         with ctx.workprec(bits + GUARD_BITS):
-            rank, rest = _eliminate(matrix_at(bits))
-        if rest is None:
+            rank = ball_rank(matrix_at(bits))
+        if rank is not None:
             return rank
         bits *= 2
     return None

@@ -5,10 +5,11 @@ from __future__ import annotations
 from typing import cast
 
 import pytest
-from flint import acb, ctx, fmpz_poly
+from flint import acb, acb_poly, arb, ctx, fmpz_poly
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from gks.modes import clusters
 from gks.modes.algebraic import isolated_roots
 from gks.modes.clusters import isolate
 
@@ -87,3 +88,10 @@ def test_a_pair_too_close_for_the_length_of_the_coefficients() -> None:
     assert roots is not None
     with ctx.workprec(3000):
         assert sum(abs(big * root - 1) < 1e-100 for root in roots) == 2
+
+
+def test_coefficients_beyond_a_companion_matrix_are_left_to_more_precision() -> None:
+    """The quotient by a leading coefficient of 2**-1050 is no double: nothing is found, and nothing raised."""
+
+
+    assert clusters._roots_of_size_one(acb_poly([1, 1, arb(2) ** -1050]), 0, 0, 2) is None
