@@ -19,10 +19,9 @@ from gks.modes.algebraic import Root
 from gks.modes.analysis import quick_verdict
 from gks.modes.cauchy_set import CauchySet, rationals_between
 from gks.modes.clear import clear_of_modes
-from gks.modes.critical import critical_polynomials, lam_elimination, positive_roots
+from gks.modes.critical import LamElimination, lam_elimination, positive_roots
 from gks.modes.interior import interior_limits
-from gks.modes.kreiss import NormalModeProblem, normal_mode_problem, spatial_problem
-from gks.modes.polynomial import Elimination
+from gks.modes.kreiss import normal_mode_problem, spatial_problem
 from gks.modes.unimodular import by_real_part
 from gks.modes.verdict import Verdict
 from gks.scheme.model import Scheme
@@ -65,7 +64,7 @@ def stable_set(scheme: Scheme, values: Mapping[str, Fraction]) -> StableSet:
     sample = {**values, scheme.cfl: values.get(scheme.cfl, Fraction(1))}
     interior = interior_limits(spatial_problem(scheme, sample, (scheme.cfl,)))
     sides = _sides(scheme, sample, interior)
-    closure = positive_roots(p for side in sides for p in critical_polynomials(side.problem, side.elimination))
+    closure = positive_roots(p for side in sides for p in side.eliminated.polynomials())
     critical = by_real_part(_distinct([*_ends(interior), *closure]))
     pieces = [_piece(scheme, values, lam, interior) for lam in rationals_between(critical)]
     return _assembled(scheme, values, critical, pieces, interior, sides)
@@ -73,12 +72,11 @@ def stable_set(scheme: Scheme, values: Mapping[str, Fraction]) -> StableSet:
 
 @dataclass(frozen=True, slots=True)
 class _Side:
-    """A Cauchy-stable piece of the lam axis, with the problem that has its number of decaying solutions."""
+    """A Cauchy-stable piece of the lam axis, with the elimination for its number of decaying solutions."""
 
     low: Root | None
     high: Root | None
-    problem: NormalModeProblem
-    elimination: Elimination
+    eliminated: LamElimination
 
     def holds(self, lam: Root) -> bool:
         return (self.low is None or self.low < lam) and (self.high is None or lam < self.high)
@@ -91,7 +89,7 @@ def _sides(scheme: Scheme, sample: Mapping[str, Fraction], interior: Sequence[Ca
     """
     cuts = by_real_part(_distinct(_ends(interior)))
     sides: list[_Side] = []
-    known: dict[tuple[int, ...], tuple[NormalModeProblem, Elimination]] = {}
+    known: dict[tuple[int, ...], LamElimination] = {}
     ends: list[Root | None] = [None, *cuts, None]
     for k, lam in enumerate(rationals_between(cuts)):
         if not all(each.contains(Root.of(lam)) for each in interior):
@@ -99,8 +97,8 @@ def _sides(scheme: Scheme, sample: Mapping[str, Fraction], interior: Sequence[Ca
         problem = normal_mode_problem(scheme, {**sample, scheme.cfl: lam}, (scheme.cfl,))
         counts = tuple(family.decaying for family in problem.families)
         if counts not in known:
-            known[counts] = problem, lam_elimination(problem)
-        sides.append(_Side(ends[k], ends[k + 1], *known[counts]))
+            known[counts] = lam_elimination(problem)
+        sides.append(_Side(ends[k], ends[k + 1], known[counts]))
     return sides
 
 
@@ -152,7 +150,7 @@ def _at_point(
     scheme: Scheme, values: Mapping[str, Fraction], lam: Root, interior: Sequence[CauchySet], sides: Sequence[_Side]
 ) -> Verdict:
     """The verdict at a critical lam: by balls where they prove it stable, else exactly."""
-    if any(side.holds(lam) and clear_of_modes(side.problem, side.elimination, lam) for side in sides):
+    if any(side.holds(lam) and clear_of_modes(side.eliminated, lam) for side in sides):
         return Verdict.STABLE
     rational = lam.rational
     try:

@@ -8,46 +8,50 @@ leave open is not answered here.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
-from flint import acb, acb_poly, ctx, fmpz_mpoly
+from flint import acb, acb_poly, ctx, fmpz_mpoly, fmpz_poly
 
 from gks.modes.algebraic import GUARD_BITS, START_BITS, Root
-from gks.modes.fibre import at_balls, polynomial_at_balls
+from gks.modes.critical import LamElimination
+from gks.modes.fibre import polynomial_at_balls
 from gks.modes.kreiss import NormalModeProblem, kreiss_matrix_at
-from gks.modes.polynomial import Elimination
 from gks.modes.rank import ball_rank
 
 CLEAR_BITS = 4 * START_BITS
 """Precision beyond which the exact route is asked; only speed depends on it."""
 
 
-def clear_of_modes(problem: NormalModeProblem, elimination: Elimination, lam: Root) -> bool:
-    """Whether it is proved that no mode at ``lam`` has abs(z) >= 1 (z = oo included); False proves nothing.
+def clear_of_modes(eliminated: LamElimination, lam: Root) -> bool:
+    """Whether it is proved that no mode at ``lam`` has abs(z) >= 1 (z = oo included), given that none has beside it.
 
-    ``problem`` and its ``elimination`` have lam as their one symbol, and the number of decaying solutions at ``lam``;
-    the interior is Cauchy-stable there.
+    The elimination's problem has the number of decaying solutions at ``lam``, where the interior is Cauchy-stable.
+    False proves nothing.
     """
-    if elimination.lost_sheet or problem.coupled or problem.coefficients.generators:
+    problem = eliminated.problem
+    irrational = problem.coefficients.point()
+    if eliminated.lost_sheet or problem.coupled or len(irrational) < len(problem.coefficients.generators):
         return False
     if problem.variable == "s" and problem.time_map is None:
         return False
+    if _is_root(lam, eliminated.lost):
+        return False
+    moved = [each.factor.polynomial for each in eliminated.events if _is_root(lam, each.polynomials)]
     name = problem.coefficients.variable(problem.resolvent.cfl)
     bits = START_BITS
     while bits <= CLEAR_BITS:
         with ctx.workprec(bits + GUARD_BITS):
-            at = {name: lam.ball(bits)}
-            zeros = (*elimination.factors, *elimination.clearing)
-            if _regular(problem, elimination, at) and all(_clear(problem, f.polynomial, at) for f in zeros):
+            at = {each: root.ball(bits) for each, root in {**irrational, name: lam}.items()}
+            if all(_clear(problem, factor, at) for factor in moved):
                 return True
         bits *= 2
     return False
 
 
-def _regular(problem: NormalModeProblem, elimination: Elimination, at: Mapping[str, acb]) -> bool:
-    """Whether the scheme has a value at this lam and its norm does not vanish identically there."""
-    kept = (*elimination.idle, *map(problem.coefficients.norm, problem.coefficients.inverted.values()))
-    return not any(at_balls(each, at).contains(0) for each in kept)
+def _is_root(lam: Root, polynomials: Iterable[fmpz_poly]) -> bool:
+    """Exactly: an irreducible polynomial divides whatever shares a root with it."""
+    minimal = lam.minimal.poly
+    return any(not each % minimal for each in polynomials)
 
 
 def _clear(problem: NormalModeProblem, factor: fmpz_mpoly, at: Mapping[str, acb]) -> bool:

@@ -18,6 +18,7 @@ matter is decided by exact verdicts at and between them.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 from fractions import Fraction
 
 from flint import fmpz_mpoly, fmpz_poly
@@ -29,33 +30,61 @@ from gks.modes.factoring import irreducible_factors
 from gks.modes.fibre import coefficients as powers_of
 from gks.modes.fibre import specialise, univariate
 from gks.modes.kreiss import NormalModeProblem
-from gks.modes.polynomial import Degenerate, Elimination, Factor, TooWide, characteristic_factors
+from gks.modes.polynomial import Degenerate, Factor, TooWide, characteristic_factors
 from gks.modes.solvable import degenerate_closure
 
 MAPPED_DEGREE = 40
 """Degree in lam up to which z is followed as an algebraic function: beyond it the resultants take minutes."""
 
 
-def lam_elimination(problem: NormalModeProblem) -> Elimination:
-    """The elimination with lam as the one symbol; SchemeError for a determinant that is zero as a formula."""
+@dataclass(frozen=True, slots=True)
+class Events:
+    """Where anything can change for the modes that one factor of the norm stands for."""
+
+    factor: Factor
+    polynomials: tuple[fmpz_poly, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class LamElimination:
+    """A problem with lam as its one symbol, eliminated: integer polynomials in lam whose positive roots are critical.
+
+    ``lost`` are those at whose roots the closure is degenerate or the scheme has no value: no verdict speaks for both
+    sides. ``lost_sheet`` is the elimination's.
+    """
+
+    problem: NormalModeProblem
+    events: tuple[Events, ...]
+    lost: tuple[fmpz_poly, ...]
+    lost_sheet: bool
+
+    def polynomials(self) -> Iterator[fmpz_poly]:
+        """All of them."""
+        yield from self.lost
+        for each in self.events:
+            yield from each.polynomials
+
+
+def lam_elimination(problem: NormalModeProblem) -> LamElimination:
+    """Eliminates; SchemeError for a determinant that is zero as a formula, else what ``characteristic_factors``
+    raises.
+    """
     try:
-        return characteristic_factors(problem)
+        elimination = characteristic_factors(problem)
     except Degenerate:
         raise degenerate_closure(problem) from None
-
-
-def critical_polynomials(problem: NormalModeProblem, elimination: Elimination) -> Iterator[fmpz_poly]:
-    """Integer polynomials in lam with every closure-made critical value among their positive roots.
-
-    ``problem`` and its ``elimination`` have lam as their one symbol.
-    """
-    lam = problem.coefficients.variable(problem.resolvent.cfl)
-    factors = growth_factors(problem, [*elimination.factors, *elimination.clearing])
-    # At zeros of the first two the closure is degenerate or the scheme has no value: no verdict speaks for both sides.
     lost = [*elimination.idle, *map(problem.coefficients.norm, problem.coefficients.inverted.values())]
-    for rest in (*lost, *boundary_polynomials(problem, factors)):
-        if degree_in(rest, lam):
-            yield univariate(rest, lam)
+    events = [
+        Events(factor, _in_lam(problem, boundary_polynomials(problem, growth_factors(problem, [factor]))))
+        for factor in (*elimination.factors, *elimination.clearing)
+    ]
+    return LamElimination(problem, tuple(events), _in_lam(problem, lost), elimination.lost_sheet)
+
+
+def _in_lam(problem: NormalModeProblem, polynomials: Iterable[fmpz_mpoly]) -> tuple[fmpz_poly, ...]:
+    """Those that hold lam, dense."""
+    lam = problem.coefficients.variable(problem.resolvent.cfl)
+    return tuple(univariate(each, lam) for each in polynomials if degree_in(each, lam))
 
 
 def boundary_polynomials(problem: NormalModeProblem, factors: Iterable[fmpz_mpoly]) -> Iterator[fmpz_mpoly]:
