@@ -18,7 +18,9 @@ from gks.scheme.schemefile import parse_scheme
 
 @dataclass(frozen=True)
 class Term:
-    """coefficient * domain.unknown[index, n + level], under dt(...) where ``dt``; interiors have offsets for indices."""
+    """coefficient * domain.unknown[index, n + level], under dt(...) where ``dt``; interiors have offsets for
+    indices.
+    """
 
     coefficient: str
     domain: str
@@ -96,7 +98,8 @@ def _quoted(equations: tuple[Equation, ...], *, offset: bool) -> str:
     return ", ".join('"' + " + ".join(t.text(offset) for t in equation) + ' = 0"' for equation in equations)
 
 
-# Interiors of u_t = u_x ("out") or u_t = -u_x ("in") on a right half-line ------------------------------------------------
+# Interiors of u_t = u_x ("out") or u_t = -u_x ("in") on a right half-line
+# ------------------------------------------------
 
 Rows = tuple[tuple[str, int, int, bool], ...]
 """(coefficient, offset, level, under dt)."""
@@ -147,7 +150,12 @@ CENTRAL: dict[str, tuple[Rows, tuple[str, ...], Fraction]] = {
 }
 UPWIND: dict[str, tuple[Rows, int, tuple[str, ...], Fraction]] = {
     # u_t = -u_x: equation, ghost points, integrators, largest lam
-    "upwind1": (_lines({0: "1"}, {0: "-1", -1: "1"}), 1, ("forward-euler", "rk2", "ab2", "backward-euler"), Fraction(1, 2)),
+    "upwind1": (
+        _lines({0: "1"}, {0: "-1", -1: "1"}),
+        1,
+        ("forward-euler", "rk2", "ab2", "backward-euler"),
+        Fraction(1, 2),
+    ),
     "upwind2": (_lines({0: "1"}, {0: "-3/2", -1: "2", -2: "-1/2"}), 2, ("rk2", "rk4", "bdf2"), Fraction(1, 2)),
     "upwind3": (_lines({0: "1"}, {1: "-1/3", 0: "-1/2", -1: "1", -2: "-1/6"}), 2, ("rk4", "ssprk3"), Fraction(1)),
 }

@@ -34,9 +34,7 @@ def inflow(closure: str, interior: str = UPWIND, time: str = "") -> Scheme:
 
 def inside(found: StableSet, lam: Fraction) -> bool:
     point = Root.of(lam)
-    return any(
-        (i.low is None or i.low < point) and (i.high is None or point < i.high) for i in found.intervals
-    )
+    return any((i.low is None or i.low < point) and (i.high is None or point < i.high) for i in found.intervals)
 
 
 def at_end(found: StableSet, lam: Fraction) -> bool:
@@ -133,7 +131,11 @@ class TestWhatLimits:
     def test_both_at_once_is_the_interior(self) -> None:
         """Traditional coupling at alpha = 3: 4/(1 + alpha) = 1, the interior's own limit."""
         scheme = catalogue.find("traditional-1")
-        for alpha, bound, by in (("3", Fraction(1), "interior"), ("31/9", Fraction(9, 10), "closure"), ("1", 1, "interior")):
+        for alpha, bound, by in (
+            ("3", Fraction(1), "interior"),
+            ("31/9", Fraction(9, 10), "closure"),
+            ("1", 1, "interior"),
+        ):
             found = stable_set(scheme, scheme.values({"alpha": alpha}))
             assert (ends(found), found.limited_by) == ([None, bound], by)
 

@@ -41,7 +41,9 @@ def agrees(scheme: Scheme, name: str, point: CurvePoint, value: Fraction) -> Non
                 assert shown == empty
                 continue
             assert isinstance(shown, float)
-            truth = end.rational if end.rational is not None else Fraction(end.ball(120).real.mid().str(30, radius=False))
+            truth = (
+                end.rational if end.rational is not None else Fraction(end.ball(120).real.mid().str(30, radius=False))
+            )
             assert abs(Fraction(shown) - truth) <= Fraction(point.error_bound) * truth
 
 
@@ -55,9 +57,13 @@ class TestBatchAgainstExact:
         for point, value in zip(found.points, values, strict=True):
             agrees(scheme, "alpha", point, value)
 
-    @pytest.mark.parametrize("time", ["forward-euler", "backward-euler", "rk2", "ssprk3", "rk4", "ab2", "crank-nicolson", "bdf2"])
+    @pytest.mark.parametrize(
+        "time", ["forward-euler", "backward-euler", "rk2", "ssprk3", "rk4", "ab2", "crank-nicolson", "bdf2"]
+    )
     def test_every_integrator_with_random_weights(self, time: str) -> None:
-        scheme = interface(WEIGHTED, time, parameters='a = "1/3"\nb = "3/4"\nc = "-1/5"\nd = "1/2"\ne = "1/3"\nf = "2/7"')
+        scheme = interface(
+            WEIGHTED, time, parameters='a = "1/3"\nb = "3/4"\nc = "-1/5"\nd = "1/2"\ne = "1/3"\nf = "2/7"'
+        )
         values = [Fraction(n, 7) for n in (1, 3, 8, 40)]
         taken = batch(scheme, scheme.values({}), "alpha", values)
         assert taken is not None
@@ -66,7 +72,9 @@ class TestBatchAgainstExact:
             agrees(scheme, "alpha", point, value)
 
     def test_the_batch_says_what_it_does_not_know(self) -> None:
-        """At alpha = 3 closure and interior meet at lam = 1, and at 1e300 squares overflow; the exact route takes over."""
+        """At alpha = 3 closure and interior meet at lam = 1, and at 1e300 squares overflow; the exact route takes
+        over.
+        """
         scheme = catalogue.find("traditional-1")
         values = [Fraction(2), Fraction(3), Fraction(10) ** 300, Fraction(10) ** 400]
         taken = batch(scheme, scheme.values({}), "alpha", values)
@@ -79,7 +87,11 @@ class TestBatchAgainstExact:
         assert [p.limited_by for p in found] == ["interior", "interior", "closure", "closure"]
 
     def test_wide_stencils_take_the_exact_route(self) -> None:
-        scheme = interface('equations = ["L.u[1] = L.u[0]", "L.s[1] = R.s[0]", "R.u[-1] = L.u[0]", "R.s[-1] = R.s[0]"]', space="central2", time="leapfrog")
+        scheme = interface(
+            'equations = ["L.u[1] = L.u[0]", "L.s[1] = R.s[0]", "R.u[-1] = L.u[0]", "R.s[-1] = R.s[0]"]',
+            space="central2",
+            time="leapfrog",
+        )
         assert batch(scheme, scheme.values({}), "alpha", [Fraction(1), Fraction(2)]) is None
 
 
@@ -141,7 +153,20 @@ def test_a_zero_of_the_impedance_is_one_flagged_point() -> None:
 class TestSweeps:
     @pytest.mark.parametrize(
         "text",
-        ["alpha", "alpha=1:2", "alpha=1:2:3:cubic", "alpha=1:2:0", "alpha=1:2:x", "alpha=1:two:3", "alpha=1:2:1e3", "alpha=-1:2:3:log", "alpha=0:2:3:log", "alpha=1:2:99999999999", "=1:2:3:4:5", "alpha=1:nan:3"],
+        [
+            "alpha",
+            "alpha=1:2",
+            "alpha=1:2:3:cubic",
+            "alpha=1:2:0",
+            "alpha=1:2:x",
+            "alpha=1:two:3",
+            "alpha=1:2:1e3",
+            "alpha=-1:2:3:log",
+            "alpha=0:2:3:log",
+            "alpha=1:2:99999999999",
+            "=1:2:3:4:5",
+            "alpha=1:nan:3",
+        ],
     )
     def test_refused(self, text: str) -> None:
         with pytest.raises(ParameterError) as caught:
@@ -168,7 +193,9 @@ class TestSweeps:
 
 
 class TestForms:
-    FOUND = curve(catalogue.find("traditional-1"), catalogue.find("traditional-1").values({}), parse_sweep("alpha=1e-2:1e2:5:log"))
+    FOUND = curve(
+        catalogue.find("traditional-1"), catalogue.find("traditional-1").values({}), parse_sweep("alpha=1e-2:1e2:5:log")
+    )
 
     def test_json(self) -> None:
         data = json.loads(self.FOUND.json_text())

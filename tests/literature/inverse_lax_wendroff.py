@@ -1,6 +1,7 @@
 """Simplified inverse Lax-Wendroff closures for u_t + u_x = 0 entering at x = 0, data 0.
 
-Cells at x_i = (i + sigma) dx. A ghost value is the Taylor polynomial at the boundary: its first ``known`` terms come from
+Cells at x_i = (i + sigma) dx. A ghost value is the Taylor polynomial at the boundary: its first ``known`` terms come
+from
 the boundary data and the equation (0 here), the others from the polynomial of degree ``order - 1`` through the first
 ``order`` cells (Li, Shu & Zhang, J. Comput. Appl. Math. 299 (2016); Boutin, Le Barbenchon & Seguin on totally upwind
 schemes, which judges this example).
@@ -17,6 +18,7 @@ from gks.scheme.model import Scheme
 from tests.literature.closures import half_line
 
 BEAM_WARMING = "u[i, n+1] = u[i] - lam/2*(3*u[i] - 4*u[i-1] + u[i-2]) + lam**2/2*(u[i] - 2*u[i-1] + u[i-2])"
+
 
 def lagrange(node: int, order: int, sigma: Fraction) -> list[Fraction]:
     """Ascending coefficients in x/dx of the polynomial that is 1 at x_node and 0 at the other first ``order`` cells."""
@@ -52,7 +54,8 @@ def growth(order: int, known: int, sigma: Fraction, lam: float) -> float:
     """max abs(z) over the normal modes, with numpy alone.
 
     Both spatial roots decay, so any two ghost values start a solution: v_i = (b v_(i-1) + c v_(i-2))/(z - a). With
-    w = v_i (z - a)**(i+1) everything is a polynomial in y = z - a, and the closure's 2x2 determinant has the modes as its
+    w = v_i (z - a)**(i+1) everything is a polynomial in y = z - a, and the closure's 2x2 determinant has the modes as
+    its
     roots (the powers of y that were multiplied in lie at z = a, inside for 0 < lam < 2).
     """
     a, b, c = (1 - lam) * (2 - lam) / 2, lam * (2 - lam), -lam * (1 - lam) / 2

@@ -1,23 +1,30 @@
 """Five interiors and eleven closures for u_t = u_x on x > 0, every verdict derived by hand.
 
-Write kappa = u[i+1]/u[i] and z = u(n+1)/u(n). Each closure ties kappa to z by one equation, each interior by another; the
+Write kappa = u[i+1]/u[i] and z = u(n+1)/u(n). Each closure ties kappa to z by one equation, each interior by another;
+the
 normal modes are their common solutions with abs(kappa) < 1 (or, on abs(z) = 1, entering from the boundary).
 
 - Space extrapolation: kappa = 1. Then z = 1 is the physical wave, which leaves; only leapfrog has a second one, z = -1,
   whose group velocity is reversed: it enters (Trefethen 1984, sect. 3). Generalized for every order and every lam < 1.
 - Oblique extrapolation: kappa = z, whatever the order.
   leapfrog: z - 1/z = lam (z - 1/z) leaves z = 1, -1, and both waves leave. Lax-Friedrichs: the same two.
-  Lax-Wendroff: z = kappa = lam/(2 + lam), decaying. Backward Euler: z = 2/lam - 1, outside with abs(kappa) > 1, or inside.
+  Lax-Wendroff: z = kappa = lam/(2 + lam), decaying. Backward Euler: z = 2/lam - 1, outside with abs(kappa) > 1, or
+  inside.
   Crank-Nicolson: z = exp(i t) with lam cos(t/2)**2 = 1 exists for lam >= 1, with group velocity -cos t = 1 - 2/lam: the
   wave enters for lam > 2, glances at lam = 2.
 - One-sided update z - 1 = lam (kappa - 1): leapfrog, Lax-Wendroff and Lax-Friedrichs leave kappa = z = 1 alone;
-  Crank-Nicolson: kappa = 2/lam - 1, z = 3 - 2 lam; backward Euler: kappa = 1/lam - 1, z = 2 - 2 lam. Both are modes once
+  Crank-Nicolson: kappa = 2/lam - 1, z = 3 - 2 lam; backward Euler: kappa = 1/lam - 1, z = 2 - 2 lam. Both are modes
+  once
   abs(kappa) < 1, and reach abs(z) = 1 at lam = 2 (kappa = 0) and lam = 3/2 (kappa = -1/3).
-- Implicit one-sided update z - 1 = lam z (kappa - 1): leapfrog z kappa = 1, Crank-Nicolson kappa = -1 - 2/lam, backward Euler
-  kappa = 1: none decays. Lax-Wendroff: kappa = 1 - 1/lam, z = 1/2. Lax-Friedrichs: kappa = 1/lam - 1, z = 1/(2 lam): where
+- Implicit one-sided update z - 1 = lam z (kappa - 1): leapfrog z kappa = 1, Crank-Nicolson kappa = -1 - 2/lam,
+backward Euler
+  kappa = 1: none decays. Lax-Wendroff: kappa = 1 - 1/lam, z = 1/2. Lax-Friedrichs: kappa = 1/lam - 1, z = 1/(2 lam):
+  where
   one is outside, so is the other.
-- Box (z - 1)(kappa + 1) = lam (z + 1)(kappa - 1): leapfrog z = kappa or z kappa = 1, both only at 1 and -1; Crank-Nicolson,
-  Lax-Wendroff, Lax-Friedrichs kappa = 1 (or both -1); backward Euler z = 2 kappa/(1 + kappa**2), kappa = (1 - lam)/(1 + lam):
+- Box (z - 1)(kappa + 1) = lam (z + 1)(kappa - 1): leapfrog z = kappa or z kappa = 1, both only at 1 and -1;
+Crank-Nicolson,
+  Lax-Wendroff, Lax-Friedrichs kappa = 1 (or both -1); backward Euler z = 2 kappa/(1 + kappa**2), kappa = (1 - lam)/(1
+  + lam):
   abs(z) < 1.
 
 At the explicit schemes' limit lam = 1: leapfrog has a double root on the circle and is not Cauchy-stable; the other two
@@ -87,9 +94,7 @@ def test_the_table_in_the_mirror(interior: str, closure: str) -> None:
         ("backward-euler", Fraction(2), Fraction(1, 2) - 1, Fraction(-2)),
     ],
 )
-def test_the_growing_mode_is_the_one_of_the_formula(
-    interior: str, lam: Fraction, kappa: Fraction, z: Fraction
-) -> None:
+def test_the_growing_mode_is_the_one_of_the_formula(interior: str, lam: Fraction, kappa: Fraction, z: Fraction) -> None:
     scheme = half_line(interior, CLOSURES["one-sided"])
     (mode,) = [m for m in analyse(scheme, {"lam": lam}).modes if m.kind.value == "growing"]
     assert abs(mode.z[0] - z) <= mode.radius < Fraction(1, 10**15)

@@ -1,7 +1,9 @@
-"""Leapfrog with fourth-order central differences for u_t = u_x: oblique extrapolation is not stable up to the CFL limit.
+"""Leapfrog with fourth-order central differences for u_t = u_x: oblique extrapolation is not stable up to the CFL
+limit.
 
 Extrapolating both boundary values along the diagonal leaves v with (1 - E/z) v = 0 twice over, so kappa = z again. On
-the circle z = kappa = exp(i t) needs sin t = (lam/6)(8 sin t - sin 2t), cos t = 4 - 3/lam =: c. The wave's group velocity
+the circle z = kappa = exp(i t) needs sin t = (lam/6)(8 sin t - sin 2t), cos t = 4 - 3/lam =: c. The wave's group
+velocity
 has the sign of (4 c**2 - 8 c - 2)/c; for c < 0 it points inwards once c > 1 - sqrt(6)/2, that is for
 
     lam > 3/(4 - c) = 6/(6 + sqrt(6)) = 0.7101...,

@@ -52,7 +52,8 @@ def critical(scheme: Scheme) -> list[Root]:
 @pytest.mark.parametrize(
     ("closure", "spot"),
     [
-        # The boundary value is multiplied by z = 1 - 4 (lam - 1/2)**2 or 1 - (2 lam**2 - 1)**2: on the circle at one lam.
+        # The boundary value is multiplied by z = 1 - 4 (lam - 1/2)**2 or 1 - (2 lam**2 - 1)**2: on the circle at one
+        # lam.
         ("u[0, n+1] = (1 - 4*(lam - 1/2)**2)*u[0]", [-1, 2]),
         ("u[0, n+1] = (1 - (2*lam**2 - 1)**2)*u[0]", [-1, 0, 2]),
         # No value at lam = 1/2; a closure that says nothing there.

@@ -204,7 +204,10 @@ def test_one_exactly_neutral_parameter_and_its_neighbours() -> None:
     """abs(z)**2 = 1 - lam + lam**2 (1 + alpha)/4 is 1 at lam = 9/10, alpha = 31/9: roots r = (1 +- i sqrt(31)/3)/2."""
     scheme = catalogue.find("traditional-1")
     tiny = Fraction(1, 10**100)
-    at = {shift: analyse(scheme, scheme.values({"lam": "9/10", "alpha": Fraction(31, 9) + shift})) for shift in (-tiny, 0, tiny)}
+    at = {
+        shift: analyse(scheme, scheme.values({"lam": "9/10", "alpha": Fraction(31, 9) + shift}))
+        for shift in (-tiny, 0, tiny)
+    }
     assert [found.verdict for found in at.values()] == [Verdict.STABLE, Verdict.NEUTRAL, Verdict.UNSTABLE]
     assert all(m.modulus == 1 for m in at[0].modes)
     assert at[0].margin == 0
@@ -221,7 +224,9 @@ def test_the_double_root_of_the_weighted_coupling_is_exact_at_every_ratio() -> N
 
 
 def test_neutral_ratio_of_the_second_order_coupling() -> None:
-    """At lam = 9/10 the ratio where abs(z) = 1, from the resultant with the circle, against a bisection in 60 digits."""
+    """At lam = 9/10 the ratio where abs(z) = 1, from the resultant with the circle, against a bisection in 60
+    digits.
+    """
     scheme = catalogue.find("traditional-2")
     with mpmath.workdps(60):
         low, high = mpmath.mpf("0.1"), mpmath.mpf(1)

@@ -1,6 +1,7 @@
 """Random closures over known interiors: the exact verdict against the spectrum of the finite update matrix.
 
-Eigenvalues outside the circle of a truncated problem converge geometrically to the growing modes; what does not converge is
+Eigenvalues outside the circle of a truncated problem converge geometrically to the growing modes; what does not
+converge is
 the spectrum of the truncated interior, whose excess over 1 fades with the number of cells.
 """
 

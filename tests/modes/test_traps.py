@@ -51,7 +51,8 @@ class TestLeapfrogWithExtrapolation:
 
     @pytest.mark.parametrize("eps", [1e-4, 1e-8, 1e-12])
     def test_no_perturbation_of_z_is_safe(self, eps: float) -> None:
-        """Naive: move z to -(1 + eps), take the root with abs(kappa) < 1 and see whether the closure kappa = 1 nearly holds.
+        """Naive: move z to -(1 + eps), take the root with abs(kappa) < 1 and see whether the closure kappa = 1 nearly
+        holds.
 
         kappa - 1 is about -eps/lam, so a small lam hides the mode from every eps.
         """
@@ -78,7 +79,9 @@ class TestCrankNicolsonWithObliqueExtrapolation:
         assert interval.high.rational == 2
 
     def test_the_finite_matrix_says_unstable_and_less_so_with_more_cells(self) -> None:
-        radii = [largest_modulus(half_line("crank-nicolson", OBLIQUE), {"lam": Fraction(21, 10)}, n) for n in (20, 40, 80)]
+        radii = [
+            largest_modulus(half_line("crank-nicolson", OBLIQUE), {"lam": Fraction(21, 10)}, n) for n in (20, 40, 80)
+        ]
         assert radii[0] > radii[1] > radii[2] > 1
 
 
@@ -99,7 +102,10 @@ class TestBackwardEulerWithAnExplicitBoundary:
 
     def test_a_tolerance_calls_it_either_way(self) -> None:
         scheme = half_line("backward-euler", ONE_SIDED)
-        seen = [largest_modulus(scheme, {"lam": lam}, 24) - 1 for lam in (Fraction(3, 2), Fraction(3, 2) + Fraction(1, 10**13))]
+        seen = [
+            largest_modulus(scheme, {"lam": lam}, 24) - 1
+            for lam in (Fraction(3, 2), Fraction(3, 2) + Fraction(1, 10**13))
+        ]
         assert max(map(abs, seen)) < 1e-10  # one is neutral, the other grows
 
 
@@ -177,7 +183,8 @@ class TestCrossingBranches:
         assert {m.kind.value for m in naive} == {"inadmissible"}
 
     def test_equal_materials_are_one_line(self) -> None:
-        """Under Lax-Wendroff the line is stable. Under leapfrog kappa = i has no group velocity: it fits both sides and is
+        """Under Lax-Wendroff the line is stable. Under leapfrog kappa = i has no group velocity: it fits both sides
+        and is
         on both the limit of decaying ones, so the coupling has a generalized eigenvalue there.
         """
         damped = parse_scheme(COUPLED.format(interior='scheme = "lax-wendroff"'), "coupled")
@@ -234,7 +241,8 @@ class TestInteriorsThatAreNotCauchyStable:
 
 class TestCollidingSpatialRoots:
     def test_beam_warming_at_one_half_has_no_mode_at_three_halves(self) -> None:
-        """kappa = 1/3 twice at z = 3/2. Eigenvectors 1, kappa_1**i and 1, kappa_2**i are then equal, and their determinant
+        """kappa = 1/3 twice at z = 3/2. Eigenvectors 1, kappa_1**i and 1, kappa_2**i are then equal, and their
+        determinant
         (Vandermonde) vanishes there: a mode that is none."""
         interior = "u[i, n+1] = u[i] - lam/2*(3*u[i] - 4*u[i-1] + u[i-2]) + lam**2/2*(u[i] - 2*u[i-1] + u[i-2])"
         found = analyse(half_line(interior, "u[0] = 0", "u[1] = 0", first=2), HALF)
@@ -255,7 +263,9 @@ def high_order_lax_wendroff(half_width: int) -> str:
 
 @pytest.mark.parametrize("half_width", [2, 3, 4])
 def test_lax_wendroff_up_to_order_eight(half_width: int) -> None:
-    """With oblique extrapolation kappa = z, and no such root is outside; a symbolic determinant takes a minute at r = 4."""
+    """With oblique extrapolation kappa = z, and no such root is outside; a symbolic determinant takes a minute at r
+    = 4.
+    """
     closure = [f"u[{k}, n+1] = u[{k + 1}]" for k in range(half_width)]
     scheme = half_line(high_order_lax_wendroff(half_width), *closure, first=half_width)
     found = analyse(scheme, {"lam": Fraction(9, 10)})
@@ -269,7 +279,8 @@ def test_a_shared_branch_is_no_degenerate_closure() -> None:
 
 
 def test_a_mode_where_a_cleared_denominator_vanishes() -> None:
-    """Third-order upwind under Crank-Nicolson, ghosts that change sign each step: z = -1 with kappa = 0 twice. There the
+    """Third-order upwind under Crank-Nicolson, ghosts that change sign each step: z = -1 with kappa = 0 twice. There
+    the
     symbol's leading coefficient in kappa vanishes, which elimination clears: dropping its powers drops the mode."""
     scheme = half_line(
         "dt(u[i]) = -(2*u[i+1] + 3*u[i] - 6*u[i-1] + u[i-2])/6",

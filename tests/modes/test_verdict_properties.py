@@ -56,7 +56,10 @@ def same(one: Draft, other: Draft) -> None:
         assert np.all(difference <= CLOSE * sizes)
 
 
-@given(drafts(), st.lists(st.sampled_from(["-7/3", "1e-40", "10**30", "(2 + lam)", "1/(lam**2 + 1)"]), min_size=4, max_size=4))
+@given(
+    drafts(),
+    st.lists(st.sampled_from(["-7/3", "1e-40", "10**30", "(2 + lam)", "1/(lam**2 + 1)"]), min_size=4, max_size=4),
+)
 @FEW
 def test_scaling_an_equation_changes_nothing(draft: Draft, factors: Sequence[str]) -> None:
     def scaled(equations: tuple[Equation, ...]) -> tuple[Equation, ...]:
@@ -115,9 +118,7 @@ def test_the_order_of_domains_and_equations_changes_nothing(draft: Draft) -> Non
 def test_where_the_cells_start_to_count_changes_nothing(draft: Draft, by: int) -> None:
     """`first` and every absolute index move together; offsets in interiors stay."""
     move = {line.name: by if line.side == "right" else -by for line in draft.lines}
-    closure = tuple(
-        tuple(replace(t, index=t.index + move[t.domain]) for t in equation) for equation in draft.closure
-    )
+    closure = tuple(tuple(replace(t, index=t.index + move[t.domain]) for t in equation) for equation in draft.closure)
     lines = tuple(replace(line, first=line.first + by) for line in draft.lines)
     same(draft, replace(draft, lines=lines, closure=closure))
 
@@ -128,7 +129,9 @@ def test_equations_hold_at_every_level(draft: Draft, by: int) -> None:
     """Written interiors and closures with all their levels moved, each by its own step."""
     discrete = not draft.lines[0].named
     line = draft.lines[0]
-    interior = tuple(tuple(replace(t, level=t.level + by) for t in e) for e in line.interior) if discrete else line.interior
+    interior = (
+        tuple(tuple(replace(t, level=t.level + by) for t in e) for e in line.interior) if discrete else line.interior
+    )
     closure = tuple(
         tuple(replace(t, level=t.level + by * (k + 1)) for t in equation) if discrete else equation
         for k, equation in enumerate(draft.closure)
@@ -151,7 +154,8 @@ def test_coefficients_may_be_definitions(draft: Draft) -> None:
     same(draft, replace(changed, definitions=tuple(table[::-1])))
 
 
-# Named schemes written out ---------------------------------------------------------------------------------------------
+# Named schemes written out
+# ---------------------------------------------------------------------------------------------
 
 
 def scalar(side: str, closure: Sequence[str], keys: str) -> Scheme:
@@ -227,10 +231,13 @@ def test_a_named_update_is_what_it_says(scheme: str, speed: int) -> None:
     assert stable_set(named, {}).intervals == stable_set(written, {}).intervals
 
 
-# Systems ---------------------------------------------------------------------------------------------------------------
+# Systems
+# ---------------------------------------------------------------------------------------------------------------
 
 
-def system(flux_left: str, flux_right: str, unknowns: str, closure: Sequence[str], interior: str, right: str = "") -> Scheme:
+def system(
+    flux_left: str, flux_right: str, unknowns: str, closure: Sequence[str], interior: str, right: str = ""
+) -> Scheme:
     equations = ", ".join(f'"{equation}"' for equation in closure)
     return parse_scheme(
         f"""
@@ -368,5 +375,8 @@ def test_a_boundary_point_with_its_own_equation(time: str, rate: Fraction) -> No
     # kappa = 1/(1 + s): the root is listed either way, and decays in space only for rate > 0.
     mu = float(rate) / 4
     principal = max((complex(m.z_complex) for m in found.modes), key=lambda z: z.real)
-    approximations: dict[str, float] = {"rk4": 1 + mu + mu**2 / 2 + mu**3 / 6 + mu**4 / 24, "crank-nicolson": (2 + mu) / (2 - mu)}
+    approximations: dict[str, float] = {
+        "rk4": 1 + mu + mu**2 / 2 + mu**3 / 6 + mu**4 / 24,
+        "crank-nicolson": (2 + mu) / (2 - mu),
+    }
     assert abs(principal - approximations.get(time, float(np.exp(mu)))) < (1e-3 if time == "ab3" else 1e-15)

@@ -1,4 +1,4 @@
-
+# ruff: noqa: E501 - pieces and formulas, one a line
 """Files written to break the reader: always a scheme or one located message, in bounded time and memory."""
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-
+# ruff: noqa: E501 - tables of messages, one a line
 """Every refusal of the reader: line, column, entry, what was found, what was expected and what would mend it."""
 
 from __future__ import annotations
