@@ -102,7 +102,13 @@ def parser() -> argparse.ArgumentParser:
     march = command.parametrised("march", "growth per step observed in a march, beside what the modes predict")
     march.add_argument("--cells", type=_count, metavar="N", help="cells a side (default: as many as the modes need)")
     march.add_argument("--steps", type=_count, metavar="N", help="steps (default: as many as the growth needs)")
+    bench = command.plain("bench", "measure this program on this machine", file=False)
+    bench.add_argument("table", choices=("speed", "precision", "theorems", "stress"), help="what to measure")
+    bench.add_argument("-o", action="append", default=[], metavar="OUT", dest="outputs", help=_TABLE_OUTPUT)
     return top
+
+
+_TABLE_OUTPUT = "write to OUT instead, a .csv or .json file (may be repeated)"
 
 
 def _count(text: str) -> int:

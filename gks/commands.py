@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 from gks.errors import InputError, quoted
 
@@ -19,6 +19,12 @@ class Result(Protocol):
     """What every analysis gives: a text for people (`str`) and the contract's JSON object."""
 
     def to_json(self) -> Mapping[str, object]: ...
+
+
+class Tabular(Protocol):
+    """A result that is a table as well."""
+
+    def to_csv(self) -> str: ...
 
 
 def carry_out(arguments: Namespace) -> str:
@@ -171,10 +177,20 @@ def _march(arguments: Namespace) -> str:
     return _shown(scheme.march(given, cells=arguments.cells, steps=arguments.steps), arguments)
 
 
+def _bench(arguments: Namespace) -> str:
+    from gks.reports.bench import bench
+
+    writers = {path: _writer(path, (".csv", ".json")) for path in arguments.outputs}
+    table = bench(arguments.table, _said_to_a_terminal)
+    for path, write in writers.items():
+        write(table, path)
+    return "\n".join(writers) if writers and not arguments.json else _shown(table, arguments)
+
+
 def _writer(
     path: str, endings: Sequence[str] = (".csv", ".json", ".png", ".svg", ".pdf")
-) -> Callable[[Curve, str], None]:
-    """What writes a curve to a file of that name, by its ending; InputError if nothing does or there is no folder."""
+) -> Callable[[Any, str], None]:
+    """What writes a result to a file of that name, by its ending; InputError if nothing does or there is no folder."""
     ending = os.path.splitext(path)[1].lower()
     if ending not in endings:
         found = f"nothing is written as {quoted(ending)}" if ending else "its name has no ending"
@@ -185,19 +201,20 @@ def _writer(
         raise InputError(f"-o {quoted(path)}: no folder {quoted(folder)}", mend="make it first")
     if os.path.isdir(path):
         raise InputError(f"-o {quoted(path)} is a folder", expected="expected the name of a file")
-    return {".csv": _write_csv, ".json": _write_json}.get(ending, _draw)
+    writers: dict[str, Callable[[Any, str], None]] = {".csv": _write_csv, ".json": _write_json}
+    return writers.get(ending, _draw)
 
 
-def _write_csv(curve: Curve, path: str) -> None:
+def _write_csv(result: Tabular, path: str) -> None:
     from gks.files import write_text
 
-    write_text(path, curve.to_csv())
+    write_text(path, result.to_csv())
 
 
-def _write_json(curve: Curve, path: str) -> None:
+def _write_json(result: Result, path: str) -> None:
     from gks.files import write_text
 
-    write_text(path, json_text(curve) + "\n")
+    write_text(path, json_text(result) + "\n")
 
 
 def _draw(curve: Curve, path: str) -> None:
@@ -216,4 +233,5 @@ _COMMANDS: dict[str, Callable[[Namespace], str]] = {
     "check": _check,
     "audit": _audit,
     "march": _march,
+    "bench": _bench,
 }
