@@ -33,6 +33,8 @@ from tests.oracle.scheme_texts import BACKWARD_CENTRED, CRANK_NICOLSON, LEAPFROG
 
 WEIGHTS = st.tuples(*[st.integers(-20, 20).map(lambda k: Fraction(k, 10)) for _ in range(6)])
 WEIGHTED = {time: weighted(time) for time in ("forward-euler", "backward-euler", "rk4", "ab2")}
+LAM = dict.fromkeys(WEIGHTED, "0.6") | {"ab2": "0.4"}
+"""Below the interior's own limit (1/2 for ab2): what grows inside and is carried off is no eigenvalue of the matrix."""
 
 
 def weighted_values(scheme: Scheme, weights: tuple[Fraction, ...], lam: str) -> dict[str, Fraction]:
@@ -47,7 +49,7 @@ class TestAgainstTheFiniteMatrix:
     @settings(max_examples=12)
     def test_random_interface_weights(self, time: str, weights: tuple[Fraction, ...]) -> None:
         scheme = WEIGHTED[time]
-        values = weighted_values(scheme, weights, "0.6")
+        values = weighted_values(scheme, weights, LAM[time])
         modulus = growing_modulus(scheme, values)
         assume(modulus is not None and modulus > 1.05)
         assert modulus is not None
