@@ -72,11 +72,15 @@ class Trace:
 
 @dataclass(frozen=True, slots=True)
 class Growth:
-    """rate: growth per step; uncertainty: half-width of its 99 % interval (absolute); how: which estimator gave it."""
+    """rate: growth per step; uncertainty: half-width of its 99 % interval (absolute); how: which estimator gave it.
+
+    window : the steps first..last that it was fitted to, where it was fitted to any.
+    """
 
     rate: float
     uncertainty: float
     how: str
+    window: tuple[int, int] = (0, 0)
 
     def exceeds(self, bound: float) -> bool:
         """Whether the interval lies above the bound; its lower end is as many times below as the upper is above."""
@@ -119,7 +123,7 @@ def observe(trace: Trace) -> Growth:
     late = trace.part(start, stop)
     late_logs = late.log_sizes()
     found = _halves(late_logs) if len(late) < 16 else _better(envelope(late_logs, start), pencil(late))
-    return Growth(found.rate, found.uncertainty, found.how + how)
+    return Growth(found.rate, found.uncertainty, found.how + how, (start, stop - 1))
 
 
 def _better(found: Growth, other: Growth | None) -> Growth:
@@ -295,7 +299,7 @@ def observe_mode(trace: Trace, blocks: int = 6) -> tuple[complex, Growth]:
     now, then = trace.values[0], trace.values[1] * 2.0 ** float(trace.exponents[1] - trace.exponents[0])
     z = complex(numpy.vdot(now, then) / numpy.vdot(now, now))
     drift = abs(rates[-1] - rates[0])
-    return z, Growth(rate, spread + drift + rate * ROUNDING, "mode")
+    return z, Growth(rate, spread + drift + rate * ROUNDING, "mode", (0, steps))
 
 
 def exponent(logs: Array) -> tuple[float, float]:

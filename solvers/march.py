@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
@@ -41,6 +41,32 @@ __all__ = ["Forced", "March", "MarchResult", "forced_response", "march", "march_
 
 
 @dataclass(frozen=True, slots=True)
+class History:
+    """How one march went: plain numbers, to be drawn.
+
+    name : what it started from. log_sizes : natural logarithm of the Euclidean norm of the values near the boundary
+    after 0, 1, ... steps, -inf where all are zero. growth : the rate fitted, and the window of steps that it was
+    fitted to.
+    """
+
+    name: str
+    log_sizes: tuple[float, ...]
+    growth: Growth
+
+    @property
+    def line(self) -> tuple[float, float] | None:
+        """(c, s) of the fitted line log size = c + s n, laid through the mean of its window; None where it has no slope
+        or no window.
+        """
+        first, last = self.growth.window
+        window = self.log_sizes[first : last + 1]
+        if last <= first or self.growth.rate <= 0 or not all(map(math.isfinite, window)):
+            return None
+        slope = math.log(self.growth.rate)
+        return sum(window) / len(window) - slope * (first + last) / 2, slope
+
+
+@dataclass(frozen=True, slots=True)
 class MarchResult:
     """Predicted against observed growth per step.
 
@@ -48,6 +74,7 @@ class MarchResult:
     observed, uncertainty : growth per step and the half-width of its 99 % interval.
     agrees : see `_agrees`; remark : what the march could not tell, or how it disagrees.
     method : which march was observed; cells, steps : the sizes of the one from random data.
+    histories : the marches as they went, the observed one first.
     """
 
     predicted: float | None
@@ -59,6 +86,12 @@ class MarchResult:
     cells: tuple[int, ...]
     steps: int
     time_s: float
+    histories: tuple[History, ...] = ()
+
+    @property
+    def history(self) -> History:
+        """The march that the growth was observed in."""
+        return self.histories[0]
 
     @property
     def relative_difference(self) -> float | None:
@@ -110,17 +143,19 @@ def march(
     result = analyse(scheme, dict(values))
     leading = _leading(result)
     interior = result.reason == "interior"
+    predicted: float | None = None
+    histories: tuple[History, ...] = (_from_random(free),)
     if leading is None:
-        predicted, chosen, method = None, free.growth, "random data"
         agrees, remark = _nothing_claimed(free, interior)
     else:
         predicted = _in_doubles(leading)
-        chosen, method, seen = _observation(problem, leading.z_complex, leading.kind.value, free.growth, interior, seed)
-        agrees, remark = _agrees(predicted, chosen, None if interior else free)
+        histories, seen = _observation(problem, leading.z_complex, leading.kind.value, free, interior, seed)
+        agrees, remark = _agrees(predicted, histories[0].growth, None if interior else free)
         remark = "; ".join(part for part in (remark, seen) if part)
+    growth, method = histories[0].growth, histories[0].name
     elapsed = time.perf_counter() - began
     return MarchResult(
-        predicted, chosen.rate, chosen.uncertainty, agrees, method, remark, free.cells, free.steps, elapsed
+        predicted, growth.rate, growth.uncertainty, agrees, method, remark, free.cells, free.steps, elapsed, histories
     )
 
 
@@ -153,6 +188,8 @@ def _outgrows(free: March, bound: float) -> bool:
 
 def _nothing_claimed(free: March, interior: bool) -> tuple[bool, str]:
     """Without an admissible mode random data must not grow, unless it is the interior scheme that is said to."""
+    if free.growth.uncertainty == math.inf:
+        return True, CANNOT_TELL
     if not _outgrows(free, 1.0):
         return True, "growth this slow may be a transient" if free.growth.exceeds(1.0) else ""
     if interior:
@@ -161,26 +198,50 @@ def _nothing_claimed(free: March, interior: bool) -> tuple[bool, str]:
     return False, f"random data grow by {seen} a step, and no mode was predicted"
 
 
+def _from_random(free: March) -> History:
+    return History(RANDOM, tuple(map(float, free.trace.log_sizes())), free.growth)
+
+
 def _observation(
-    problem: Problem, z: complex, kind: str, free: Growth, interior: bool, seed: int
-) -> tuple[Growth, str, str]:
-    """The march that can speak about this mode (growth, name, remark): random data, the mode itself, or forcing."""
-    if kind == "growing" and not interior and free.exceeds(1.0) and free.uncertainty < AGREEMENT * free.rate:
-        return free, "random data", ""
+    problem: Problem, z: complex, kind: str, free: March, interior: bool, seed: int
+) -> tuple[tuple[History, ...], str]:
+    """(histories, remark), first the march that can speak about this mode: random data, or the mode itself.
+
+    A generalized eigenvalue is forced besides. Where no march can speak, the uncertainty of the first is inf.
+    """
+    random = _from_random(free)
+    if kind == "growing" and not interior and _tells(free.growth):
+        return (random,), ""
     if kind == "generalized":
-        forced = forced_march(problem, z / abs(z), seed=seed)
+        # One random forcing may happen to leave the mode out.
+        tries = (forced_march(problem, z / abs(z), seed=number) for number in (seed, seed + 1))
+        forced = max(tries, key=lambda each: each.exponent)
         seen = f"forced at z the response grows as n**({forced.exponent:.2f} ± {forced.uncertainty:.2g})"
-        return free, "random data", seen
-    unknown = Growth(free.rate, math.inf, free.how)
+        # Random data need not show it, and fall as the waves leave: only their growth would contradict, beyond a factor
+        # e over the march, which a power of n may make.
+        known = max(free.growth.uncertainty, math.expm1(1.0 / free.steps), 1.0 - free.growth.rate)
+        leaving = replace(random, growth=replace(free.growth, uncertainty=known))
+        return (leaving, History(FORCED, forced.log_sizes, Growth(1.0, 0.0, "forced"))), seen
+    unknown = replace(random, growth=replace(free.growth, uncertainty=math.inf))
     try:
         found = mode_march(problem, z, seed)
     except (OutOfReach, NotAnalysable):
-        return unknown, "random data", "the mode reaches too far, or decays too fast, to be marched by itself"
+        return (unknown,), "the mode reaches too far, or decays too fast, to be marched by itself"
     if found is not None:
-        return found[2], "from the mode", ""
+        return (History(OWN, tuple(map(float, found.trace.log_sizes())), found.growth), random), ""
     if interior:
-        return unknown, "random data", "growing waves of the interior hide the mode"
-    return free, "random data", "the finite problem has no such mode near the boundary"
+        return (unknown,), "growing waves of the interior hide the mode"
+    return (random,), "the finite problem has no such mode near the boundary"
+
+
+CANNOT_TELL = "the march cannot tell"
+
+RANDOM, OWN, FORCED = "random data", "from the mode", "forced at z"
+
+
+def _tells(growth: Growth) -> bool:
+    """Whether random data grow, and fast enough for their rate to be known to AGREEMENT."""
+    return growth.exceeds(1.0) and growth.uncertainty < AGREEMENT * growth.rate
 
 
 def _agrees(predicted: float, seen: Growth, free: March | None) -> tuple[bool, str]:
@@ -191,7 +252,7 @@ def _agrees(predicted: float, seen: Growth, free: March | None) -> tuple[bool, s
     prediction and 1.
     """
     if seen.uncertainty == math.inf:
-        return True, "the march cannot tell"
+        return True, CANNOT_TELL
     difference = abs(seen.rate - predicted)
     if difference > max(seen.uncertainty, AGREEMENT * predicted):
         return False, f"observed and predicted differ by {difference:.3g}, beyond the uncertainty"

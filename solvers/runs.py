@@ -17,7 +17,7 @@ from gks.solvers.farends import cells_needed, steps_allowed
 from gks.solvers.growth import Growth, Trace, exponent, observe, observe_mode
 from gks.solvers.matrices import Layout, layout, onto_constraints
 from gks.solvers.problem import Problem, build
-from gks.solvers.seeds import LOCALISED, Seed, mode, near_slots, random_levels
+from gks.solvers.seeds import LOCALISED, Seed, modes, near_slots, random_levels
 from gks.solvers.update import Marcher, cost_per_value
 
 if TYPE_CHECKING:
@@ -62,8 +62,15 @@ class Forced:
     log_sizes: tuple[float, ...]
 
 
-def run(grid: Layout, levels: Sequence[Array], steps: int, source: Array | None = None, z: complex = 1.0) -> Trace:
-    """March so many steps from the starting levels and record the values near the boundary.
+def run(
+    grid: Layout,
+    levels: Sequence[Array],
+    steps: int,
+    source: Array | None = None,
+    z: complex = 1.0,
+    everywhere: bool = False,
+) -> Trace:
+    """March so many steps from the starting levels and record the values near the boundary, or the norm `everywhere`.
 
     With a `source` the state is forced by source * z**n. Stops early when the recorded values have fallen to FLOOR of
     the largest value on the grid, or are all zero. Raises NotAnalysable when a step overflows.
@@ -72,12 +79,16 @@ def run(grid: Layout, levels: Sequence[Array], steps: int, source: Array | None 
 
     marcher = Marcher(grid, levels)
     places = numpy.array([grid.index(slot) for slot in near_slots(grid)])
-    values, exponents = [marcher.state[places]], [0]
+
+    def recorded() -> Array:
+        return numpy.array([numpy.linalg.norm(marcher.state)]) if everywhere else marcher.state[places]
+
+    values, exponents = [recorded()], [0]
     recent = math.inf
     for number in range(steps):
         with numpy.errstate(over="ignore", invalid="ignore"):
             marcher.step(None if source is None else source * z**number)
-        seen = marcher.state[places]
+        seen = recorded()
         size = float(numpy.abs(seen).max(initial=0.0))
         if not math.isfinite(size):
             raise NotAnalysable(
@@ -123,12 +134,31 @@ def random_march(problem: Problem, cells: int | None, steps: int | None, seed: i
     return March(observe(trace), trace, grid.cells, len(trace) - 1)
 
 
+def filled_march(problem: Problem, steps: int, seed: int = 0) -> March:
+    """The growth of random data that fill the cells, in the norm over all of them.
+
+    It shows waves of an unstable interior that are carried off, and so do not grow near the boundary: beyond the cells
+    that `farends` asks for, there are twice as many as an explicit scheme reads in so many steps.
+    """
+    reach = max(max(side.inward_reach, side.outward_reach) for side in problem.sides)
+    support = max(_affordable(problem, steps)) + 2 * reach * steps
+    grid = layout(problem, [support + count for count in cells_needed(problem, steps)])
+    trace = run(grid, random_levels(grid, seed, support), steps, everywhere=True)
+    return March(observe(trace), trace, grid.cells, len(trace) - 1)
+
+
 def _sizes(problem: Problem, cells: int | None, steps: int | None) -> tuple[tuple[int, ...], int]:
     """Cells a side and steps: as asked, computed where not, and steps cut to what the far ends allow."""
     for name, number in (("cells", cells), ("steps", steps)):
         if number is not None and number < 1:
             raise ParameterError(f"{number} {name}", expected="a march needs at least one")
     if cells is not None:
+        if cells > MOST_CELLS:
+            raise NotAnalysable(
+                message=f"{cells} cells a side are more than a march is given room for",
+                expected=f"at most {MOST_CELLS}",
+                mend="ask for fewer, or leave --cells out",
+            )
         counts = tuple(max(cells, problem.near + 1) for _ in problem.sides)
         allowed = steps_allowed(problem, counts, steps or STEPS)
         if allowed < 1:
@@ -137,13 +167,13 @@ def _sizes(problem: Problem, cells: int | None, steps: int | None) -> tuple[tupl
                 expected=f"{max(cells_needed(problem, steps or 8))} cells for {steps or 8} steps",
                 mend="ask for more cells, or leave --cells out",
             )
-        return counts, allowed
+        return _patient(problem, counts, allowed), allowed
     if steps is not None:
-        return _affordable(problem, steps), steps
+        return _patient(problem, _affordable(problem, steps), steps), steps
     steps = STEPS
     while True:
         needed = cells_needed(problem, steps)
-        unknowns = sum(count * len(side.unknowns) for count, side in zip(needed, problem.sides, strict=True))
+        unknowns = _values(problem, needed)
         exact = problem.stages is not None and problem.stages.kind == "exact"
         fits = unknowns <= LARGEST_DENSE if exact else unknowns * steps * cost_per_value(problem) <= LARGEST_WORK
         if fits or steps <= 16:
@@ -153,6 +183,26 @@ def _sizes(problem: Problem, cells: int | None, steps: int | None) -> tuple[tupl
 
 MOST_CELLS = 200_000
 """Cells a side beyond which a march is refused: some 10 MB a level and a hundredth of a second a step."""
+
+
+MOST_WORK = 20_000_000_000
+"""Grid values times steps beyond which a march that was told how many is refused: some ten minutes."""
+
+
+def _patient(problem: Problem, counts: tuple[int, ...], steps: int) -> tuple[int, ...]:
+    """The same cells, where so many steps on them take minutes at most."""
+    work = _values(problem, counts) * steps * cost_per_value(problem)
+    if work > MOST_WORK:
+        raise NotAnalysable(
+            message=f"{steps} steps on {' and '.join(map(str, counts))} cells take more than ten minutes",
+            expected=f"about {int(steps * MOST_WORK / work)} steps on as many cells, at most",
+            mend="march fewer steps (--steps)",
+        )
+    return counts
+
+
+def _values(problem: Problem, counts: Sequence[int]) -> int:
+    return sum(count * len(side.unknowns) for count, side in zip(counts, problem.sides, strict=True))
 
 
 def _affordable(problem: Problem, steps: int) -> tuple[int, ...]:
@@ -170,26 +220,45 @@ MODE_STEPS = 240
 """Steps of a march from a mode: so long rounding errors that other modes carry on stay small, or show as scatter."""
 
 
-def mode_march(problem: Problem, z: complex, seed: int = 0) -> tuple[Seed, complex, Growth, int] | None:
-    """March the finite problem's own eigenvector next to z: (start, z seen, growth, steps); None where none marches.
+@dataclass(frozen=True, slots=True)
+class ModeMarch:
+    """A march from one mode: what it started from, the z of its first step, its growth, its trace."""
+
+    start: Seed
+    z: complex
+    growth: Growth
+    trace: Trace
+
+
+def mode_march(problem: Problem, z: complex, seed: int = 0) -> ModeMarch | None:
+    """March the finite problem's own eigenvector next to z; None where none lives near the boundary and marches.
+
+    Raises OutOfReach where it takes too many cells, or z is zero.
+    """
+    for start in modes(problem, z, seed):
+        found = _marched(start) if start.outside < LOCALISED else None
+        if found is not None:
+            return found
+    return None
+
+
+def _marched(start: Seed) -> ModeMarch | None:
+    """The march from this vector; None where it changes its rate on the way, and so is not one mode.
 
     The window ends where the mode has decayed to 1e-7 of its start, while rounding errors, which other modes carry on
     at their own slower rate, are still 1e-8 of it.
     """
-    start = mode(problem, z, seed=seed)
-    if start is None or not start.outside < LOCALISED:
-        return None
     steps = MODE_STEPS
-    if abs(z) < 1:
-        steps = max(2, min(steps, int(math.log(1e-7) / math.log(abs(z)))))
+    if abs(start.z) < 1:
+        steps = max(2, min(steps, int(math.log(1e-7) / math.log(abs(start.z)))))
     trace = run(start.grid, start.levels, steps)
     if len(trace) < 3 or trace.log_sizes()[-1] == -math.inf:
         return None
     seen, growth = observe_mode(trace)
-    # From four steps on the scatter tells: what changes its rate by more than this on the way is not one mode.
+    # From four steps on the scatter tells.
     if steps >= 4 and growth.uncertainty > AGREEMENT * growth.rate:
         return None
-    return start, seen, growth, steps
+    return ModeMarch(start, seen, growth, trace)
 
 
 def forced_response(

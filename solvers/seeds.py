@@ -18,7 +18,7 @@ from gks.solvers.matrices import Layout, layout, level_matrices
 from gks.solvers.problem import Problem, Slot
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
     from numpy.typing import NDArray
 
@@ -69,27 +69,25 @@ class OutOfReach(Exception):
     """The mode decays too slowly, or z is zero: it cannot be set up on the cells that a march affords."""
 
 
-def mode(problem: Problem, z: complex, seed: int = 0) -> Seed | None:
-    """The eigenvector of the finite problem nearest to z, with as many cells as its own kappas need to decay.
+def modes(problem: Problem, z: complex, seed: int = 0) -> Iterator[Seed]:
+    """Vectors that may be the mode of the finite problem at z, the likeliest first, each found when it is asked for.
 
-    None where inverse iteration finds nothing. Raises OutOfReach where that takes more than MOST_CELLS, or z is zero.
+    As many cells as the kappas of z need to decay. Outside the unit circle inverse iteration is quick and safe. Inside
+    the curve that the interior's waves trace every z is an eigenvalue of a truncated matrix but for rounding, so there
+    the least residual, which the far end has no part in, comes first. Raises OutOfReach where it takes more than
+    MOST_CELLS, or z is zero.
     """
-    best: Seed | None = None
-    lengths: list[int] = []
+    searches = (_inverse_iteration, _least_residual) if abs(z) >= 1 else (_least_residual, _inverse_iteration)
+    reached = False
     for resolvent in _resolvents(problem, z):
         counts = [_length(problem, side, resolvent) for side in range(len(problem.sides))]
-        lengths.append(max(counts))
-        if lengths[-1] > MOST_CELLS:
+        if max(counts) > MOST_CELLS:
             continue
-        grid = layout(problem, counts)
-        for found in (_inverse_iteration(grid, resolvent, z, seed), _least_residual(problem, counts, resolvent, z)):
-            if found is not None and (best is None or found.outside < best.outside):
-                best = found
-            if best is not None and best.outside < LOCALISED:
-                break
-    if best is None and (not lengths or max(lengths) > MOST_CELLS):
+        reached = True
+        found = (search(problem, counts, resolvent, z, seed) for search in searches)
+        yield from (start for start in found if start is not None)
+    if not reached:
         raise OutOfReach
-    return best
 
 
 def _resolvents(problem: Problem, z: complex) -> list[complex]:
@@ -149,14 +147,17 @@ def _kappas(problem: Problem, side: int, resolvent: complex) -> list[complex]:
     return [complex(root) for root in numpy.roots(laurent[::-1]) if root != 0]
 
 
-def _inverse_iteration(grid: Layout, resolvent: complex, z: complex, seed: int) -> Seed | None:
+def _inverse_iteration(
+    problem: Problem, counts: Sequence[int], resolvent: complex, z: complex, seed: int
+) -> Seed | None:
     """Inverse iteration on the companion form of sum_k A_k w[n+k] = 0 at a shift next to the resolvent."""
     import numpy
     from scipy.sparse.linalg import splu
 
+    grid = layout(problem, counts)
     matrices = level_matrices(grid)
     # Under stages the resolvent is s, in units of a cell's own rate, and may be 0; z is relative to itself.
-    shift = resolvent + SHIFT * (abs(resolvent) if grid.problem.stages is None else max(abs(resolvent), 1.0))
+    shift = resolvent + SHIFT * (abs(resolvent) if problem.stages is None else max(abs(resolvent), 1.0))
     pencil = sum(matrix * shift**power for power, matrix in enumerate(matrices))
     size = numpy.asarray(abs(pencil).max(axis=1).todense()).ravel()
     scale = numpy.exp2(-numpy.rint(numpy.log2(numpy.where(size > 0, size, 1.0))))
@@ -182,17 +183,21 @@ def _inverse_iteration(grid: Layout, resolvent: complex, z: complex, seed: int) 
     return Seed(grid, state, z, _outside(grid, state))
 
 
-LARGEST_DENSE = 600
-"""Grid values up to which the least residual is sought by a dense singular value decomposition."""
+NEARLY_NULL = 1e-9
+"""What leaves less than this of itself, row by row, is found; what leaves more is damped by the square of the ratio."""
 
 
-def _least_residual(problem: Problem, counts: Sequence[int], resolvent: complex, z: complex) -> Seed | None:
+def _least_residual(problem: Problem, counts: Sequence[int], resolvent: complex, z: complex, seed: int) -> Seed | None:
     """The vector that lives on `counts` cells and leaves the least residual of all equations, those beyond included.
 
     Inside the curve that the interior's waves trace in the z plane every z is an eigenvalue of a truncated matrix but
     for rounding, by waves that lean on the far end. Those are no candidates here; a mode of the boundary still is.
+    It is the last right singular vector of the equations B, by inverse iteration with B* B + tau**2 in its augmented
+    form [[tau, B], [B*, -tau]], which does not square the condition (Björck, BIT 7 (1967) 1-21).
     """
     import numpy
+    from scipy import sparse
+    from scipy.sparse.linalg import splu
 
     grid = layout(problem, [2 * count for count in counts])
     columns = numpy.concatenate(
@@ -202,14 +207,25 @@ def _least_residual(problem: Problem, counts: Sequence[int], resolvent: complex,
             for unknown in range(len(half.unknowns))
         ]
     )
-    if len(columns) > LARGEST_DENSE:
-        return None
     pencil = sum(matrix * resolvent**power for power, matrix in enumerate(level_matrices(grid)))
-    block = pencil.tocsc()[:, columns].toarray()
-    scale = numpy.abs(block).max(axis=1)
-    _, _, right = numpy.linalg.svd(block[scale > 0] / scale[scale > 0, None], full_matrices=False)
+    block = pencil.tocsc()[:, columns].tocsr()
+    size = abs(block).max(axis=1).toarray().ravel()
+    kept = block[size > 0].multiply(1.0 / size[size > 0, None])
+    tau, (rows, width) = NEARLY_NULL, kept.shape
+    augmented = sparse.bmat([[tau * sparse.eye(rows), kept], [kept.conj().T, -tau * sparse.eye(width)]], format="csc")
+    try:
+        factors = splu(augmented.astype(complex))
+    except RuntimeError:
+        return None
+    vector = numpy.random.default_rng(seed).standard_normal(width).astype(complex)
+    for _ in range(ITERATIONS):
+        vector = factors.solve(numpy.concatenate([numpy.zeros(rows), vector]))[rows:]
+        norm = float(numpy.linalg.norm(vector))
+        if not 0 < norm < math.inf:
+            return None
+        vector /= norm
     newest = numpy.zeros(grid.size, dtype=complex)
-    newest[columns] = right[-1].conj()
+    newest[columns] = vector
     state = [resolvent**power * newest for power in range(problem.depth)]
     return Seed(grid, state, z, _outside(grid, state))
 

@@ -6,8 +6,11 @@ and its figures report: at a ratio of 0.25 under the fully second order scheme t
 the coarsest grid, where Figure 9 has a converging error. So each ratio printed as rho_L/rho_R is taken here as alpha.
 
 What else differs from print: Section 4 gives Figure 8's moduli in the wrong order (the unstable line has 1.0104), and
-the traditional condition at the ratio 1e10 passes 1e8 at step 3 in stress and step 4 in velocity, not at step 2
-(rho_L = 1, c = sqrt(3)).
+the traditional condition at the ratio 1e10 passes 1e8 at step 3 in stress (8.8e8) and step 4 in velocity (2.3e8), not
+at step 2, where they are 3.6 and 0.11 (rho_L = 1, c = sqrt(3)). The growth is lam sqrt(alpha)/2 = 4.5e4 a step, but it
+starts from the little that the pulse has at the interface. The second-order condition, Fromm's interior, rho_R = 1 in
+place of rho_L, a pulse at +1/2: none passes 1e8 before step 3 in stress or step 4 in velocity. A pulse on the interface
+itself has 1e10 in stress at step 2.
 """
 
 from __future__ import annotations

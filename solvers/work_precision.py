@@ -5,9 +5,10 @@ error is the largest velocity error over all cells at t = 0.5. The analyser's pr
 second-order coupling (Theorem 3.4) near equal densities; its error is relative, against the exact route's algebraic
 number.
 
-Each repetition of an analyser's route takes another alpha, 1 + k/1000: nothing found for one can be reused for the
-next. The times are wall-clock seconds, the error is the largest of the repetitions. The finite matrix has the mode of
-an upwind interior exactly on any number of cells (nothing comes back to the interface), so its error is the
+Each repetition of an analyser's route takes another alpha, 1 + k/1024: nothing found for one can be reused for the
+next. A proof holds for every alpha at once: its seconds are those of the whole theorem, or, once that is proved, of
+evaluating it. The times are wall-clock seconds, the error is the largest of the repetitions. The finite matrix has the
+mode of an upwind interior exactly on any number of cells (nothing comes back to the interface), so its error is the
 bisection's and only its time tells; on other interiors its error falls with the cells.
 """
 
@@ -21,7 +22,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import astuple, dataclass, fields
 from fractions import Fraction
 from importlib import metadata
-from itertools import count
+from itertools import chain, count
 from statistics import median
 from time import perf_counter
 from typing import TYPE_CHECKING
@@ -34,6 +35,7 @@ from gks.solvers.waves import Interface
 if TYPE_CHECKING:
     from flint import acb
 
+    from gks.bounds.theorem import Theorem
     from gks.scheme.model import Scheme
 
 ALPHA = 0.05
@@ -113,16 +115,20 @@ def work_precision(
     cells: Sequence[int] = (2, 4, 8, 16),
     points: Sequence[int] = (1, 100, 10_000),
     bits: Sequence[int] = (53, 128, 333),
+    evaluations: Sequence[int] = (1, 10_000),
     repeats: int = 3,
     progress: Callable[[Row], None] | None = None,
 ) -> WorkPrecision:
     """Measure everything; an empty sequence leaves that route out. `progress` is told of each row as it is found.
 
     resolutions : 1/dx of the reference solver. steps : of the marches that are bisected. cells : a side, of the finite
-    matrices. points : of a sweep on the batched route, whose seconds are per point. bits : of the exact route's answer.
+    matrices. points : of a sweep on the numeric route, whose seconds are per point. bits : of the certified answer.
+    evaluations : points at which the theorem is evaluated: 1 for the proof itself with one point, else per point.
     """
     rows = []
-    for row in (*_solver_rows(resolutions, repeats), *_analyser_rows(steps, cells, points, bits, repeats)):
+    for row in chain(
+        _solver_rows(resolutions, repeats), _analyser_rows(steps, cells, points, bits, evaluations, repeats)
+    ):
         if progress is not None:
             progress(row)
         rows.append(row)
@@ -167,11 +173,40 @@ def _row(subject: str, method: str, setting: str, norm: str, error: float, secon
     return Row(subject, method, setting, norm, error, median(seconds), min(seconds), max(seconds), len(seconds))
 
 
+def marching_speed(cells: int = 8000, steps: int = 1000, repeats: int = 3) -> float:
+    """Cells (with both unknowns) advanced a second by the general solver: the upwind scheme of `traditional-1`.
+
+    The best of the repetitions. At 8000 cells a side all levels fit in half a megabyte, a second-level cache; on a few
+    hundred cells the calls themselves take most of the time.
+    """
+    from gks.catalogue import find
+    from gks.solvers.matrices import layout
+    from gks.solvers.problem import build
+    from gks.solvers.seeds import random_levels
+    from gks.solvers.update import Marcher
+
+    scheme = find("traditional-1")
+    grid = layout(build(scheme, scheme.values({})), (cells, cells))
+    seconds = []
+    for _ in range(repeats):
+        marcher = Marcher(grid, random_levels(grid, 0))
+        began = perf_counter()
+        for _ in range(steps):
+            marcher.step()
+        seconds.append(perf_counter() - began)
+    return 2 * cells * steps / min(seconds)
+
+
 # The analyser's routes ------------------------------------------------------------------------------------------------
 
 
 def _analyser_rows(
-    steps: Sequence[int], cells: Sequence[int], points: Sequence[int], bits: Sequence[int], repeats: int
+    steps: Sequence[int],
+    cells: Sequence[int],
+    points: Sequence[int],
+    bits: Sequence[int],
+    evaluations: Sequence[int],
+    repeats: int,
 ) -> Iterator[Row]:
     from gks.catalogue import find
 
@@ -179,12 +214,18 @@ def _analyser_rows(
     routes: list[tuple[str, str, Solve, int]] = []
     routes += [("march, bisected", f"{n} steps", _by_march(scheme, n), 1) for n in steps]
     routes += [("finite matrix, bisected", f"{n} cells a side", _by_matrix(scheme, n), 1) for n in cells]
-    routes += [("batched sweep, a point", f"{n} points", _by_sweep(scheme, n), n) for n in points]
-    routes += [("exact", f"{n} bits", _exactly(scheme, n), 1) for n in bits]
+    routes += [("numeric, a point of a sweep", f"{n} points", _by_sweep(scheme, n), n) for n in points]
+    routes += [("certified", f"{n} bits", _exactly(scheme, n), 1) for n in bits]
+    if 1 in evaluations:
+        routes += [("proof, for all alpha", "1 point", _by_proof(scheme), 1)]
+    evaluated = [n for n in evaluations if n > 1]
+    if evaluated:
+        theorem = _theorem(scheme)
+        routes += [("proved, a point of many", f"{n} points", _by_theorem(theorem, n), n) for n in evaluated]
     for method, setting, solve, share in routes:
         found, seconds = [], []
         for _ in range(repeats):
-            alpha = 1 + Fraction(next(numbers), 1000)
+            alpha = 1 + Fraction(next(numbers), 1024)
             began = perf_counter()
             answer = solve(alpha)
             seconds.append((perf_counter() - began) / share)
@@ -251,6 +292,29 @@ def _by_sweep(scheme: Scheme, points: int) -> Solve:
         if not isinstance(point.lam_max, float):
             raise ArithmeticError(f"lam_max at alpha = {alpha} is {point.lam_max}")
         return Fraction(point.lam_max), Fraction(0)
+
+    return solve
+
+
+def _theorem(scheme: Scheme) -> Theorem:
+    from gks.bounds.proof import prove
+
+    theorem = prove(scheme, scheme.values({}, ["alpha"]))
+    if not theorem.proved:
+        raise ArithmeticError(f"lam_max over alpha is not proved: {theorem.reason}")
+    return theorem
+
+
+def _by_proof(scheme: Scheme) -> Solve:
+    return lambda alpha: _by_theorem(_theorem(scheme), 1)(alpha)
+
+
+def _by_theorem(theorem: Theorem, points: int) -> Solve:
+    import numpy as np
+
+    def solve(alpha: Fraction) -> tuple[Fraction, Fraction]:
+        bounds = theorem.bound(float(alpha) * (1 + np.arange(points) / (100 * points)))
+        return Fraction(float(bounds[0])), Fraction(0)
 
     return solve
 

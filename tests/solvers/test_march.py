@@ -64,10 +64,9 @@ class TestAgainstTheFiniteMatrix:
         z = 1 + 0.9 * (complex(1, math.sqrt(5)) / 2 - 1)
         found = mode_march(build(scheme, values), z)
         assert found is not None
-        start, seen, growth, _ = found
-        assert seen == pytest.approx(z, rel=1e-9)
-        assert growth.rate == pytest.approx(abs(z), rel=1e-9)
-        assert start.outside < 1e-6
+        assert found.z == pytest.approx(z, rel=1e-9)
+        assert found.growth.rate == pytest.approx(abs(z), rel=1e-9)
+        assert found.start.outside < 1e-6
 
     def test_a_wrong_z_is_not_marched_as_if_it_were_right(self) -> None:
         """Off by 5 %: inverse iteration converges to what is there, or to nothing near the boundary."""
@@ -75,7 +74,7 @@ class TestAgainstTheFiniteMatrix:
         problem = build(scheme, scheme.values({"alpha": 5}))
         wrong = 1.05 * (1 + 0.9 * (complex(1, math.sqrt(5)) / 2 - 1))
         found = mode_march(problem, wrong)
-        assert found is None or abs(found[2].rate - abs(wrong)) > 1e-2
+        assert found is None or abs(found.growth.rate - abs(wrong)) > 1e-2
 
 
 class TestAgainstTheNormalModes:
@@ -202,7 +201,68 @@ class TestAgreement:
         assert ("DISAGREES" in str(found)) is not agrees
 
 
+class TestHistory:
+    """What a march saw, as plain numbers to draw."""
+
+    def test_a_growing_mode_in_random_data(self) -> None:
+        scheme = traditional()
+        found = march(scheme, scheme.values({"alpha": 5}), steps=256)
+        history = found.history
+        assert (history.name, history.growth.rate) == ("random data", found.observed)
+        assert len(history.log_sizes) == found.steps + 1
+        assert history.line is not None
+        c, slope = history.line
+        assert slope == pytest.approx(math.log(found.observed))
+        assert found.predicted == pytest.approx(math.exp(slope), rel=1e-9)
+        first, last = history.growth.window
+        assert 0 < first < last == 256
+        assert max(abs(history.log_sizes[n] - c - slope * n) for n in range(first, last + 1)) < 1.0
+
+    def test_a_decaying_mode_is_marched_by_itself_and_random_data_beside_it(self) -> None:
+        scheme = find("traditional-1")
+        found = march(scheme, scheme.values({"lam": "0.9", "alpha": "3.2"}), steps=256)
+        assert [history.name for history in found.histories] == ["from the mode", "random data"]
+        assert found.history.line is not None and found.history.line[1] < 0
+
+    def test_a_forced_response(self) -> None:
+        scheme = TestGeneralized.EXTRAPOLATED
+        found = march(scheme, scheme.values({}), steps=256)
+        forced = found.histories[-1]
+        assert forced.name == "forced at z" and forced.line is None
+        assert forced.log_sizes[-1] - forced.log_sizes[len(forced.log_sizes) // 2] == pytest.approx(
+            math.log(2), rel=0.1
+        )
+
+
+class TestInsideTheCurveOfTheWaves:
+    """There every z is an eigenvalue of a truncated matrix but for rounding; the half-line's own mode is the observed
+    one.
+    """
+
+    @pytest.mark.parametrize("name", ["lax-wendroff-oblique-2", "lax-wendroff-order-4-oblique"])
+    def test_oblique_extrapolation(self, name: str) -> None:
+        """u = kappa**(j + n) with kappa = z, where P(z, z) = 0: 1/5 at second order, lam = 1/2."""
+        scheme = find(name)
+        found = march(scheme, scheme.values({}))
+        assert found.agrees and found.method == "from the mode"
+        assert found.relative_difference is not None and found.relative_difference < 1e-9
+
+    def test_a_wrong_z_is_no_mode_there(self) -> None:
+        scheme = find("lax-wendroff-oblique-2")
+        found = mode_march(build(scheme, scheme.values({})), 0.25)
+        assert found is None or abs(found.growth.rate - 0.25) > 1e-2
+
+
 class TestSizes:
+    @pytest.mark.parametrize("sizes", [{"cells": 10**8}, {"steps": 10**8}, {"cells": 200_000, "steps": 10**8}])
+    def test_a_huge_march_is_refused(self, sizes: dict[str, int]) -> None:
+        with pytest.raises(NotAnalysable, match=r"room for|reach farther|ten minutes"):
+            march_growth(traditional(), traditional().values({}), **sizes)
+
+    def test_a_single_step_tells_nothing_and_says_so(self) -> None:
+        found = march(traditional(), traditional().values({"alpha": 1}), steps=1)
+        assert found.uncertainty == math.inf and "cannot tell" in found.remark
+
     def test_the_march_is_cut_short_where_the_far_ends_would_be_felt(self) -> None:
         scheme = traditional()
         found = march_growth(scheme, scheme.values({"alpha": 5}), cells=100, steps=5000)

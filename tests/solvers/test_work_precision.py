@@ -15,20 +15,22 @@ from gks.solvers.work_precision import (
     WorkPrecision,
     _bisected,
     machine,
+    marching_speed,
     work_precision,
 )
 
 
 @pytest.fixture(scope="module")
 def measured() -> WorkPrecision:
-    return work_precision((25, 50), (16, 64), (4,), (1, 50), (53, 128), repeats=1)
+    return work_precision((25, 50), (16, 64), (4,), (1, 50), (53, 128), (1, 50), repeats=1)
 
 
 def test_every_route_is_there(measured: WorkPrecision) -> None:
     methods = {(row.subject, row.method) for row in measured.rows}
     solver = {f"{name}, order {order}" for name in ("traditional", "weighted", "characteristic") for order in (1, 2)}
     assert {method for subject, method in methods if subject == "solver"} == solver
-    analyser = {"march, bisected", "finite matrix, bisected", "batched sweep, a point", "exact"}
+    analyser = {"march, bisected", "finite matrix, bisected", "numeric, a point of a sweep", "certified"}
+    analyser |= {"proof, for all alpha", "proved, a point of many"}
     assert {method for subject, method in methods if subject == "analyser"} == analyser
     assert all(row.fastest <= row.seconds <= row.slowest and row.repeats == 1 for row in measured.rows)
 
@@ -48,8 +50,9 @@ def test_more_work_is_more_precise(measured: WorkPrecision) -> None:
 
 def test_the_routes_meet_at_the_exact_answer(measured: WorkPrecision) -> None:
     assert errors(measured, "finite matrix, bisected")[0] < 1e-13
-    assert max(errors(measured, "batched sweep, a point")) < 2.0**-52
-    assert errors(measured, "exact")[0] < 2.0**-53 and errors(measured, "exact")[1] < 2.0**-128
+    assert max(errors(measured, "numeric, a point of a sweep")) < 2.0**-52
+    assert errors(measured, "certified")[0] < 2.0**-53 and errors(measured, "certified")[1] < 2.0**-128
+    assert max(*errors(measured, "proof, for all alpha"), *errors(measured, "proved, a point of many")) < 2.0**-50
     assert {row.norm for row in measured.rows} == {SOLVER_NORM, ANALYSER_NORM}
 
 
@@ -69,8 +72,12 @@ def test_the_table_as_text(measured: WorkPrecision) -> None:
 
 def test_routes_that_are_not_asked_for_are_not_run() -> None:
     told: list[Row] = []
-    found = work_precision((), (), (), (), (53,), repeats=1, progress=told.append)
-    assert tuple(told) == found.rows and [row.method for row in told] == ["exact"]
+    found = work_precision((), (), (), (), (53,), (), repeats=1, progress=told.append)
+    assert tuple(told) == found.rows and [row.method for row in told] == ["certified"]
+
+
+def test_the_march_is_timed_by_the_cells_it_advances() -> None:
+    assert marching_speed(cells=200, steps=5, repeats=1) > 0
 
 
 def test_bisection_halves_the_interval() -> None:
