@@ -1,0 +1,51 @@
+"""From a mode that was listed back to the point it was found at, and to the solutions there."""
+
+from __future__ import annotations
+
+from gks.errors import NotAnalysable
+from gks.modes.analysis import judged
+from gks.modes.eigenspace import Eigenspace, enclosed_space, exact_space
+from gks.modes.exactpoint import rational_candidate
+from gks.modes.kreiss import NormalModeProblem, spatial_problem
+from gks.modes.undecided import Undecided
+from gks.modes.verdict import Mode, ModesResult
+from gks.modes.wide import wide_modes
+
+
+def space_of(result: ModesResult, mode: Mode) -> tuple[Eigenspace, bool]:
+    """The space of a mode of the result, and whether it is proved to be one; NotAnalysable where it stays open."""
+    problem = spatial_problem(result.scheme, result.parameters)
+    try:
+        return _exact(problem, mode) if result.tier == "exact" else _counted(problem, mode)
+    except Undecided as reason:
+        raise NotAnalysable(f"the solutions of this mode stay open: {reason}") from None
+
+
+def _exact(problem: NormalModeProblem, mode: Mode) -> tuple[Eigenspace, bool]:
+    found, _ = judged(problem)
+    candidate = next((candidate for each, candidate in found if _same(each, mode)), None)
+    if candidate is None:
+        raise NotAnalysable("the mode is none of this scheme at these values")
+    return exact_space(problem, candidate), True
+
+
+def _counted(problem: NormalModeProblem, mode: Mode) -> tuple[Eigenspace, bool]:
+    wide = wide_modes(problem, inner=True)
+    place = next((place for each, place in zip(wide.modes, wide.places, strict=True) if _same(each, mode)), None)
+    if place is None:
+        raise NotAnalysable("the mode is none of this scheme at these values")
+    if isinstance(place, int):
+        candidate = rational_candidate(problem, place)
+        if candidate is None:
+            raise NotAnalysable("the mode is none of this scheme at these values")
+        return exact_space(problem, candidate), True
+    space = enclosed_space(problem, place)
+    if space is None:
+        raise NotAnalysable("the mode is one of several that are not told apart, or its spatial factors are not")
+    return space, place.proved
+
+
+def _same(one: Mode, other: Mode) -> bool:
+    """Whether two modes are one, found at different precisions: the discs of different ones are disjoint."""
+    apart = (one.z[0] - other.z[0]) ** 2 + (one.z[1] - other.z[1]) ** 2
+    return one.kind is other.kind and apart <= (one.radius + other.radius) ** 2
