@@ -56,9 +56,24 @@ class BatchSet:
     interior_limit: Array
 
 
-def batch(scheme: Scheme, values: Mapping[str, Fraction], name: str, points: Sequence[Point]) -> BatchSet | None:
-    """The stable sets at the points, None where the scheme is not of the kind this route is for."""
-    problem = _at_some_point(scheme, values, name, points)
+def samples(points: Sequence[Point]) -> tuple[Point, Point]:
+    """The points of a sweep at one of which the signs of its speeds are looked up."""
+    return points[len(points) // 2], points[len(points) // 3]
+
+
+def batch(
+    scheme: Scheme,
+    values: Mapping[str, Fraction],
+    name: str,
+    points: Sequence[Point],
+    at: Sequence[Point] | None = None,
+) -> BatchSet | None:
+    """The stable sets at the points, None where the scheme is not of the kind this route is for.
+
+    Points at which a speed has another sign than at the first of ``at`` where there is a scheme (default: `samples` of
+    the points) are not resolved. What is found at a point depends on it and on ``at`` alone.
+    """
+    problem = _at_some_point(scheme, values, name, samples(points) if at is None else at)
     if problem is None or not _applies(problem):
         return None
     try:
@@ -91,8 +106,8 @@ def batch(scheme: Scheme, values: Mapping[str, Fraction], name: str, points: Seq
 def _at_some_point(
     scheme: Scheme, values: Mapping[str, Fraction], name: str, points: Sequence[Point]
 ) -> NormalModeProblem | None:
-    """The problem with the parameter and lam as symbols; None where the first values tried give no scheme."""
-    for value in (points[len(points) // 2], points[len(points) // 3]):
+    """The problem with the parameter and lam as symbols; None where no point gives a scheme."""
+    for value in points:
         try:
             return normal_mode_problem(scheme, {**values, name: Fraction(value)}, (name, scheme.cfl))
         except InputError:
@@ -144,8 +159,11 @@ def _closure(problem: NormalModeProblem, factor: fmpz_mpoly, swept: str, paramet
     height, hi, lo, radius, on_axis = (
         np.take_along_axis(each, order, axis=1) for each in (height, found.hi, found.lo, found.radius, real)
     )
+    # Where one lies below the axis, the highest root stands for it: what is found at a point is its own alone.
+    below = height < 0
+    hi, lo, radius, on_axis = (np.where(below, each[:, :1], each) for each in (hi, lo, radius, on_axis))
     for k in range(hi.shape[1]):
-        if (height[:, k] < 0).all():
+        if below[:, k].all():
             break
         imaginary = Real(np.where(on_axis[:, k], 0.0, hi[:, k].imag), np.where(on_axis[:, k], 0.0, lo[:, k].imag))
         mine = stable_intervals(method, Real(hi[:, k].real.copy(), lo[:, k].real.copy()), imaginary, radius[:, k])
@@ -240,16 +258,12 @@ def _scaled(limits: CauchySet, speed: Real) -> Intervals:
             (result.hi, result.hi_error, interval.high),
         ):
             value = _double(end)
-            exact = value in (0.0, float("inf")) or (
-                end is not None and end.rational == Fraction(value) and _is_one(speed)
-            )
+            exact = np.full(points, value in (0.0, float("inf")))
+            if end is not None and not exact.any() and end.rational == Fraction(value):
+                exact = speed.hi == 1.0
             ends[:, k] = value / speed.hi
-            errors[:, k] = 0.0 if exact else 8 * UNIT
+            errors[:, k] = np.where(exact, 0.0, 8 * UNIT)
     return result
-
-
-def _is_one(speed: Real) -> bool:
-    return bool(np.all(speed.hi == 1.0))
 
 
 def _double(end: Root | None) -> float:

@@ -15,7 +15,8 @@ from hypothesis import strategies as st
 from gks import catalogue
 from gks.bounds.batch import batch
 from gks.bounds.cfl import stable_set
-from gks.bounds.curve import CurvePoint, curve
+from gks.bounds.curve import curve
+from gks.bounds.point import CurvePoint
 from gks.bounds.sweep import of_values, parse_sweep
 from gks.errors import InputError, NotAnalysable, ParameterError
 from gks.scheme.model import Scheme
@@ -200,6 +201,7 @@ class TestForms:
     def test_json(self) -> None:
         data = json.loads(self.FOUND.json_text())
         assert (data["schema"], data["sweep"], len(data["points"])) == ("gks.curve/1", "alpha", 5)
+        assert data["tier"] == "certified"
         keys = {"alpha", "lam_max", "limited_by", "stable_set", "error_bound", "status"}
         assert all(set(point) == keys for point in data["points"])
         last = data["points"][-1]

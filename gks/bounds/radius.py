@@ -1,0 +1,348 @@
+"""The largest modulus of an admissible mode over a parameter and lam, in double precision: data for maps.
+
+The characteristic polynomial is eliminated once with both as symbols. Its roots at every point are polished by Newton's
+method and kept where Delta of their own decaying solutions vanishes. A point at which that is in doubt is masked; on
+and next to the unit circle the numbers decide nothing, and `gks modes` has the verdict.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field
+from fractions import Fraction
+from time import perf_counter
+from typing import Literal
+
+import numpy as np
+from flint import fmpz_mpoly
+from numpy.typing import NDArray
+
+from gks.bounds.sampled import Array, ComplexArray, Sampled, Values, all_roots, polynomial_of, sampled
+from gks.bounds.sweep import Sweep
+from gks.errors import InputError, NotAnalysable, ParameterError
+from gks.modes.algebraic import Root
+from gks.modes.analysis import analyse
+from gks.modes.cauchy import degree_in
+from gks.modes.cauchy_set import CauchySet
+from gks.modes.interior import field_symbol, interior_limits
+from gks.modes.kreiss import NormalModeProblem, normal_mode_problem, spatial_problem
+from gks.modes.polynomial import Degenerate, characteristic_factors
+from gks.modes.route import elimination_work
+from gks.modes.solvable import degenerate_closure
+from gks.modes.unimodular import rational_ends
+from gks.modes.verdict import ModeKind, Verdict
+from gks.scheme.integrators import Integrator
+from gks.scheme.model import Scheme
+
+Mask = NDArray[np.bool_]
+
+MAP_WORK = 64
+"""`elimination_work` up to which a problem is eliminated with two symbols: two second-order fields on either side take
+a fraction of a second."""
+ZERO = 1e-7
+"""abs(Delta), each row measured by its terms, at a polished root of its own: far above the rounding of a simple root,
+and what a double root leaves."""
+NOT_ZERO = 1e-4
+"""abs(Delta) from which a root certainly is no mode; between the two it is in doubt."""
+NEAR = 1e-9
+"""Distance from the unit circle within which doubles decide nothing here: a double root is known to about 1e-8, a
+simple one to far less."""
+
+Shown = Literal["stable", "unstable", "near"]
+
+
+@dataclass(frozen=True, slots=True)
+class RadiusMap:
+    """Arrays over the values of a parameter (rows; one row where none runs) and over lam (columns).
+
+    radius : the largest modulus of an admissible mode; 0 where there is none or it is not known.
+    known : where it was found without doubt.
+    interior : where the interior scheme is Cauchy-stable; elsewhere the modes mean nothing and are not looked at.
+    """
+
+    scheme: Scheme
+    parameters: Mapping[str, Fraction]
+    sweep: Sweep | None
+    values: Array
+    lams: Array
+    radius: Array
+    known: Mask
+    interior: Mask
+    time_s: float = field(compare=False)
+
+    @property
+    def verdict(self) -> NDArray[np.str_]:
+        """ "stable", "unstable", "near" (the unit circle, or not known)."""
+        found = np.where(self.radius < 1 - NEAR, "stable", np.where(self.radius > 1 + NEAR, "unstable", "near"))
+        return np.where(self.interior, np.where(self.known, found, "near"), "unstable")
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The parameter, if one runs, and the CFL number."""
+        return (*((self.sweep.name,) if self.sweep else ()), self.scheme.cfl)
+
+    def to_json(self) -> dict[str, object]:
+        return {
+            "schema": "gks.radius/1",
+            "sweep": list(self.names),
+            "points": [dict(zip((*self.names, "radius", "verdict"), row, strict=True)) for row in self._rows()],
+            "tier": "numeric",
+            "time_s": self.time_s,
+        }
+
+    def json_text(self) -> str:
+        return json.dumps(self.to_json(), allow_nan=False)
+
+    def to_csv(self) -> str:
+        """Columns: the parameter, the CFL number, radius (empty where it is not known), verdict."""
+        lines = [",".join([*self.names, "radius", "verdict"])]
+        lines += [",".join("" if entry is None else str(entry) for entry in row) for row in self._rows()]
+        return "\n".join(lines) + "\n"
+
+    def _rows(self) -> list[list[object]]:
+        rows: list[list[object]] = []
+        verdict = self.verdict
+        for i, value in enumerate(self.values.tolist()):
+            for k, lam in enumerate(self.lams.tolist()):
+                head = [value, lam] if self.sweep else [lam]
+                known = self.known[i, k] and self.interior[i, k]
+                rows.append([*head, float(self.radius[i, k]) if known else None, str(verdict[i, k])])
+        return rows
+
+    def __str__(self) -> str:
+        verdict = self.verdict
+        counts = {word: int((verdict == word).sum()) for word in ("stable", "unstable", "near")}
+        shape = " x ".join(str(n) for n in self.radius.shape if self.sweep or n > 1)
+        return "\n".join(
+            [
+                self.scheme.title,
+                f"  largest admissible modulus over {' and '.join(self.names)}",
+                f"  stable {counts['stable']}, unstable {counts['unstable']}, "
+                f"too near the unit circle to tell {counts['near']}",
+                f"  ({shape} points, {self.time_s:.3g} s; -o writes them, --json prints them)",
+            ]
+        )
+
+
+def radius_map(
+    scheme: Scheme,
+    values: Mapping[str, Fraction],
+    sweep: Sweep | None,
+    lam_values: Sequence[Fraction | float],
+    progress: Callable[[int, int], None] | None = None,
+) -> RadiusMap:
+    """The map; ``sweep`` None for one row at the values given. InputError as the analyses raise it.
+
+    Where the characteristic polynomial is out of reach with both as symbols the points are analysed one by one, which
+    takes about a tenth of a second each; ``progress`` is told of these.
+    """
+    start = perf_counter()
+    exact = [Fraction(v) for v in sweep.values] if sweep else [Fraction(0)]
+    if not all(lam > 0 for lam in lam_values):
+        raise ParameterError("a CFL number that is not positive", path=scheme.cfl, expected="positive numbers")
+    lams = np.array([float(v) for v in lam_values])
+    symbols = (*((sweep.name,) if sweep else ()), scheme.cfl)
+    problem = _problem(scheme, values, sweep, exact, Fraction(lam_values[0]), symbols)
+    interior = _interior(problem, values, sweep, exact, lams)
+    column = np.array([float(v) for v in exact])
+    arguments = (np.repeat(column, len(lams)), np.tile(lams, len(column)))
+    try:
+        radius, known = _largest(problem, arguments if sweep else arguments[1:])
+    except NotAnalysable:
+        lines = [{**values, **({sweep.name: v} if sweep else {})} for v in exact]
+        points = [{**line, scheme.cfl: Fraction(lam)} for line in lines for lam in lam_values]
+        radius, known = _one_by_one(scheme, points, interior.ravel(), progress)
+    shape = (len(column), len(lams))
+    radius, known = radius.reshape(shape), known.reshape(shape)
+    radius = np.where(known & interior, radius, 0.0)
+    return RadiusMap(scheme, dict(values), sweep, column, lams, radius, known, interior, perf_counter() - start)
+
+
+def _problem(
+    scheme: Scheme, values: Mapping[str, Fraction], sweep: Sweep | None, exact: Sequence[Fraction],
+    lam: Fraction, symbols: Sequence[str],
+) -> NormalModeProblem:  # fmt: skip
+    """With the parameter and lam as symbols, at the first value for which there is a scheme."""
+    fault: InputError | None = None
+    for k in (len(exact) // 2, len(exact) // 3, 0):
+        at = {**values, scheme.cfl: lam, **({sweep.name: exact[k]} if sweep else {})}
+        try:
+            return normal_mode_problem(scheme, at, symbols)
+        except InputError as error:
+            fault = error
+    assert fault is not None
+    raise fault
+
+
+# Interior -------------------------------------------------------------------------------------------------------------
+
+
+def _interior(
+    problem: NormalModeProblem,
+    values: Mapping[str, Fraction],
+    sweep: Sweep | None,
+    exact: Sequence[Fraction],
+    lams: Array,
+) -> Mask:
+    """Where the interior is Cauchy-stable, exactly but for the rounding of lam: (values, lams)."""
+    scheme = problem.scheme
+    rows = []
+    for value in exact:
+        at = {**values, scheme.cfl: Fraction(1), **({sweep.name: value} if sweep else {})}
+        try:
+            rows.append(within(interior_limits(spatial_problem(scheme, at, (scheme.cfl,))), lams))
+        except InputError:
+            rows.append(np.zeros(len(lams), bool))
+        if sweep is None or not in_interior(problem, sweep.name):
+            return np.tile(rows[0], (len(exact), 1))
+    return np.stack(rows)
+
+
+def in_interior(problem: NormalModeProblem, name: str) -> bool:
+    """Whether the parameter enters a field's symbol."""
+    variable = problem.coefficients.variable(name)
+    symbols = (field_symbol(block.field, problem.coefficients) for block in problem.blocks)
+    return any(degree_in(symbol, variable) for symbol in symbols) or bool(problem.coefficients.generators)
+
+
+def within(interior: Sequence[CauchySet], lams: Array) -> Mask:
+    """Which lam are in all of the sets."""
+    good = np.ones(len(lams), bool)
+    for each in interior:
+        mine = np.zeros(len(lams), bool)
+        for interval in each.intervals:
+            low, high = _double(interval.low), np.inf if interval.high is None else _double(interval.high)
+            mine |= (lams > low) & (lams < high)
+            mine |= interval.high_stable & (lams == high)
+            mine |= interval.low_stable & (lams == low)
+        good &= mine
+    return good
+
+
+def _double(end: Root) -> float:
+    low, high = rational_ends(end.ball().real)
+    return float((low + high) / 2)
+
+
+# Modes ----------------------------------------------------------------------------------------------------------------
+
+
+def _largest(problem: NormalModeProblem, symbols: Sequence[Array]) -> tuple[Array, Mask]:
+    """The largest modulus of a mode (0 where there is none) and whether it is known; ``symbols`` end with lam."""
+    if elimination_work(problem) > MAP_WORK:
+        raise NotAnalysable("the characteristic polynomial is out of reach with two symbols")
+    try:
+        elimination = characteristic_factors(problem)
+    except Degenerate:
+        raise degenerate_closure(problem) from None
+    compiled = sampled(problem)
+    radius, known = np.zeros(len(symbols[0])), np.ones(len(symbols[0]), bool)
+    with np.errstate(all="ignore"):  # what is not finite is not known
+        for factor in (*elimination.factors, *elimination.clearing):
+            found, sure = _of_factor(problem, compiled, factor.polynomial, symbols)
+            radius, known = np.maximum(radius, found), known & sure
+    return radius, known
+
+
+def _one_by_one(
+    scheme: Scheme,
+    points: Sequence[Mapping[str, Fraction]],
+    interior: Mask,
+    progress: Callable[[int, int], None] | None,
+) -> tuple[Array, Mask]:
+    """The same from the modes at every point where the interior is stable."""
+    radius, known = np.zeros(len(points)), np.zeros(len(points), bool)
+    for k, values in enumerate(points):
+        if interior[k]:
+            with suppress(InputError):  # no scheme at these values
+                found = analyse(scheme, values)
+                kept = [float(m.modulus) for m in found.modes if m.kind is not ModeKind.INADMISSIBLE]
+                radius[k], known[k] = max(kept, default=0.0), found.verdict is not Verdict.UNDECIDED
+        if progress is not None:
+            progress(k + 1, len(points))
+    return radius, known
+
+
+def _of_factor(
+    problem: NormalModeProblem, compiled: Sampled, factor: fmpz_mpoly, symbols: Sequence[Array]
+) -> tuple[Array, Mask]:
+    """The same for one factor. A factor in s that does not hold lam is solved once for every value of the parameter."""
+    lam = symbols[-1]
+    once = problem.variable == "s" and not degree_in(factor, problem.coefficients.variable(problem.resolvent.cfl))
+    first = np.flatnonzero(lam == lam[0]) if once else np.arange(len(lam))
+    coefficients = polynomial_of(problem, factor).at(*(each[first] for each in symbols))
+    sigma = _polished(coefficients, all_roots(coefficients))
+    degree = sigma.shape[1]
+    flat = [np.repeat(each[first], degree) for each in symbols]
+    found = compiled.at(sigma.ravel(), *flat)
+    mode, unsure = (each.reshape(sigma.shape) for each in _admissible(found))
+    if once:
+        repeat = len(lam) // len(first)
+        sigma = np.repeat(sigma, repeat, axis=0)
+        mode, unsure = (np.repeat(each, repeat, axis=0) for each in (mode, unsure))
+    modulus = _growth(problem, sigma, lam)
+    largest = np.where(mode, modulus, 0.0).max(axis=1, initial=0.0)
+    # A root in doubt does not matter below a modulus that is certain.
+    doubtful = (unsure & ~(modulus < largest[:, None])).any(axis=1)
+    return largest, ~doubtful & np.isfinite(largest)
+
+
+def _admissible(found: Values) -> tuple[Mask, Mask]:
+    """Which points are modes, and which may be: all of a family's decaying solutions have to decay.
+
+    Inside the unit circle the number of those that do may have grown, and then some of them satisfy the closure.
+    """
+    size = np.abs(found.determinant)
+    widest = np.max([np.abs(x).max(axis=1, initial=0) for x in found.decaying], axis=0, initial=0)
+    more = np.any([(np.abs(x) < 1 - SPATIAL).any(axis=1) for x in found.others], axis=0)
+    mode = (widest < 1 + SPATIAL) & ((size < ZERO) | more)
+    unsure = (widest < 1 + SPATIAL) & ~((size < ZERO) | (size > NOT_ZERO) | more)
+    return mode, unsure
+
+
+SPATIAL = 1e-9
+"""Distance of abs(kappa) from 1 that is not told from 0: a root on the circle counts as the limit of a decaying one."""
+
+
+def _polished(coefficients: ComplexArray, roots: ComplexArray) -> ComplexArray:
+    """Two Newton steps, where they make the residual smaller: companion matrices lose small roots beside large ones."""
+    slopes = coefficients[:, 1:] * np.arange(1, coefficients.shape[1])
+    for _ in range(2):
+        value, slope = _at(coefficients, roots), _at(slopes, roots)
+        moved = roots - value / slope
+        better = np.abs(_at(coefficients, moved)) < np.abs(value)
+        roots = np.where(better, moved, roots)
+    return roots
+
+
+def _at(coefficients: ComplexArray, x: ComplexArray) -> ComplexArray:
+    value = np.zeros_like(x)
+    for c in coefficients.T[::-1]:
+        value = value * x + c[:, None]
+    return value
+
+
+def _growth(problem: NormalModeProblem, sigma: ComplexArray, lam: Array) -> Array:
+    """The largest abs(z) of every root: sigma itself, or what the integrator makes of lam*s."""
+    if problem.variable == "z":
+        return np.abs(sigma)
+    method = problem.resolvent.integrator
+    assert method is not None
+    return _amplified(method, lam[:, None] * sigma)
+
+
+def _amplified(method: Integrator, mu: ComplexArray) -> Array:
+    if method.kind == "exact":
+        return np.exp(mu.real)
+    rows = [_power_series(row, mu) for row in method.characteristic()]
+    coefficients = np.stack([row.ravel() for row in rows], axis=1)
+    return np.asarray(np.abs(all_roots(coefficients)).max(axis=1).reshape(mu.shape))
+
+
+def _power_series(row: Sequence[Fraction], mu: ComplexArray) -> ComplexArray:
+    value = np.zeros_like(mu)
+    for c in reversed(row):
+        value = value * mu + float(c)
+    return value

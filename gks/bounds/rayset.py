@@ -1,0 +1,154 @@
+"""Method of lines: the stable set in lam from the zeros s of Delta, each found once and followed along its ray.
+
+With U(lam) the set of s for which the integrator has a root with abs(z) >= 1, the modes at lam are the zeros of Delta
+in U(lam). For every named integrator the stable mu = lam s of a direction with Re mu <= 0 are an interval from 0 on
+(held by a test), so that
+
+    U(lam) is contained in U(top) and {Re s >= 0}    for 0 < lam < top,
+
+where a top at which the interior is Cauchy-stable keeps the number of decaying solutions on all of it. The zeros in
+U(top) and in the half-plane are counted and proved by balls (`gks.modes.wide`), a top next to the interior's own limit
+leaves nothing below it uncovered, and what each zero allows along its ray is exact (`gks.bounds.rayballs`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from fractions import Fraction
+
+from flint import acb, arb, fmpq
+
+from gks.bounds.cfl import Limit
+from gks.bounds.located import Located, Span, nothing_said
+from gks.bounds.rayballs import stable_intervals_ball
+from gks.modes.algebraic import Root
+from gks.modes.cauchy_set import CauchySet
+from gks.modes.kreiss import NormalModeProblem
+from gks.modes.unimodular import rational_ends
+from gks.modes.verdict import ModeKind
+from gks.modes.wide import VanishingDeterminant, WideModes, wide_modes
+from gks.scheme.integrators import Integrator, integrator
+
+NEXT_TO_LIMIT = (34, 26, 18)
+"""The top is (1 - 2**-k) times the interior's limit, for the first k at which the count closes: at the limit itself a
+spatial root of the interior is on the circle for good."""
+RAY_BITS = 160
+"""The zeros come at 96 bits or more; the rest is for cancellation along the ray."""
+
+ProblemAt = Callable[[Fraction], NormalModeProblem]
+
+
+def ray_set(problem_at: ProblemAt, interior: Sequence[CauchySet]) -> Located:
+    """The stable set; ``problem_at`` gives the problem at a lam, its variable being s under one named integrator."""
+    limit = _limit(interior)
+    if limit is not None and limit.is_zero:
+        return Located((), "interior", 0.0, True)
+    least = Fraction(1) if limit is None else rational_ends(limit.ball().real)[0]
+    sample = problem_at(least / 2)
+    method = sample.resolvent.integrator
+    assert method is not None and method.kind != "exact"
+    half_plane = _counted(_semi_discrete(sample))
+    if isinstance(half_plane, str):
+        return nothing_said(half_plane)
+    if limit is None:
+        return _along(method, _zeros(half_plane, Fraction(1)), half_plane, None, 0.0)
+    why = ""
+    for k in NEXT_TO_LIMIT:
+        top = least * (1 - Fraction(1, 2**k))
+        beyond = _counted(problem_at(top))
+        if not isinstance(beyond, str):
+            zeros = _zeros(half_plane, Fraction(1)) + _zeros(beyond, top)
+            both = WideModes(half_plane.modes + beyond.modes)
+            return _along(method, zeros, both, limit, 2.0 ** (1 - k))
+        why = beyond
+    return nothing_said(why)
+
+
+def _limit(interior: Sequence[CauchySet]) -> Root | None:
+    """The end of the interior's stable interval, which begins at 0 if there is one; None is infinity."""
+    limits = [each.first_limit for each in interior]
+    finite = [limit for limit in limits if limit is not None]
+    return min(finite) if finite else None
+
+
+def _semi_discrete(problem: NormalModeProblem) -> NormalModeProblem:
+    """The same closure with time left continuous: its modes with Re s >= 0."""
+    resolvent = replace(problem.resolvent, integrator=integrator("exact"))
+    return replace(problem, resolvent=resolvent, time_map=None)
+
+
+def _counted(problem: NormalModeProblem) -> WideModes | str:
+    """The modes, all of them proved; or why they are not."""
+    try:
+        found = wide_modes(problem)
+    except VanishingDeterminant:
+        return "the closure is degenerate to rounding"
+    if found.doubts:
+        return found.doubts[0]
+    if not found.certified:
+        return "the modes were found and not proved"
+    return found
+
+
+def _zeros(found: WideModes, lam: Fraction) -> list[acb]:
+    """s of every growing mode; ``lam`` is the one that lam*s was counted at."""
+    zeros = []
+    for mode, place in zip(found.modes, found.places, strict=True):
+        if mode.kind is ModeKind.GROWING and not isinstance(place, int) and place.mu is not None:
+            zeros.append(place.mu / acb(fmpq(lam.numerator, lam.denominator)))
+    return zeros
+
+
+def _along(method: Integrator, zeros: Sequence[acb], found: WideModes, limit: Root | None, gap: float) -> Located:
+    """The intersection of what the zeros allow with the interior's interval, of which ``gap`` was not looked at."""
+    error = 0.0
+    growing = sum(mode.kind is ModeKind.GROWING for mode in found.modes)
+    if growing > len(zeros):
+        return nothing_said("a multiple mode was enclosed and not resolved")
+    if any(mode.kind in (ModeKind.EIGENVALUE, ModeKind.GENERALIZED) for mode in found.modes):
+        return Located((), "closure", 0.0, True)  # z = 1, which every lam maps s = 0 to
+    spans: list[Span] = [(Fraction(0), None if limit is None else _middle(limit.ball().real))]
+    for s in zeros:
+        # Balls that meet the real axis hold a zero and its conjugate, of which there is only one.
+        real = acb(s.real) if s.imag.contains(0) else s
+        mine = stable_intervals_ball(method, real, RAY_BITS)
+        if mine is None:
+            return nothing_said(f"where a mode with s = {complex(s):.6g} is stable was not resolved")
+        error = max([error, *(_relative(end) for span in mine for end in span if end is not None)])
+        spans = _met(spans, [(_middle(low), None if high is None else _middle(high)) for low, high in mine])
+    own = None if limit is None else _middle(limit.ball().real)
+    if own is not None and any(high is not None and high > own * (1 - Fraction(gap)) for _, high in spans):
+        error = max(error, gap)  # what lies between the top and the limit was not looked at
+    if any(high is not None and high - low <= 4 * Fraction(error) * high for low, high in spans):
+        return nothing_said("two ends of stable intervals are not told apart")
+    return Located(tuple(spans), _limited(spans, own, error), error, True)
+
+
+def _met(one: Sequence[Span], other: Sequence[Span]) -> list[Span]:
+    """The intersection of two ascending lists of intervals."""
+    met = []
+    for a, b in one:
+        for c, d in other:
+            low, high = max(a, c), min((end for end in (b, d) if end is not None), default=None)
+            if high is None or low < high:
+                met.append((low, high))
+    return met
+
+
+def _limited(spans: Sequence[Span], own: Fraction | None, error: float) -> Limit | None:
+    top = spans[0][1] if spans and spans[0][0] == 0 else Fraction(0)
+    if top is None:
+        return None
+    return "interior" if own is not None and abs(top - own) <= Fraction(error) * own else "closure"
+
+
+def _middle(number: arb) -> Fraction:
+    low, high = rational_ends(number)
+    return low if low == high else (low + high) / 2
+
+
+def _relative(number: arb) -> float:
+    if number.contains(0):
+        return 0.0
+    return float((number.rad() / abs(number.mid())).abs_upper())

@@ -1,0 +1,162 @@
+"""The stable set in lam of schemes beyond the elimination.
+
+Under the method of lines it follows from the zeros s of Delta (`gks.bounds.rayset`), and is proved. Where z itself is
+the variable, the critical lam are traced numerically (`gks.bounds.crossings`), every piece between them is decided by a
+certified verdict at one point, and every end by certified verdicts on either side of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+from itertools import pairwise
+
+from gks.bounds.cfl import Limit
+from gks.bounds.located import Located, Span, nothing_said
+from gks.bounds.rayset import ray_set
+from gks.errors import InputError
+from gks.modes.algebraic import Root
+from gks.modes.analysis import quick_verdict
+from gks.modes.cauchy_set import CauchySet
+from gks.modes.interior import interior_limits
+from gks.modes.kreiss import NormalModeProblem, normal_mode_problem, spatial_problem
+from gks.modes.unimodular import rational_ends, simplest_between
+from gks.modes.verdict import Verdict
+from gks.scheme.model import Scheme
+
+BESIDE = (40, 34, 30)
+"""An end is held between verdicts at (1 - 2**-k) and (1 + 2**-k) times it, for the first k at which both are had."""
+
+
+def wide_stable_set(scheme: Scheme, values: Mapping[str, Fraction]) -> Located:
+    """The stable set at the values given; InputError where the scheme is at fault."""
+    sample = {**values, scheme.cfl: values.get(scheme.cfl, Fraction(1))}
+    interior = interior_limits(spatial_problem(scheme, sample, (scheme.cfl,)))
+
+    def problem_at(lam: Fraction) -> NormalModeProblem:
+        return normal_mode_problem(scheme, {**values, scheme.cfl: lam})
+
+    method = spatial_problem(scheme, sample).resolvent.integrator
+    if method is not None and method.kind == "exact":
+        return _whole_axis(scheme, sample)
+    if method is not None:
+        return ray_set(problem_at, interior)
+    spans: list[Span] = []
+    proved_to = 0.0
+    for low, high in _pieces(interior):
+        found = _traced(scheme, values, low, high)
+        if isinstance(found, str):
+            return nothing_said(found)
+        inner, error = found
+        spans += inner
+        proved_to = max(proved_to, error)
+    return Located(tuple(spans), _limited(spans, interior), proved_to, False)
+
+
+def _whole_axis(scheme: Scheme, values: Mapping[str, Fraction]) -> Located:
+    """The semi-discrete problem: lam plays no part."""
+    verdict = quick_verdict(scheme, values)
+    if verdict is Verdict.UNDECIDED:
+        return nothing_said("the semi-discrete problem is undecided")
+    whole: tuple[Span, ...] = ((Fraction(0), None),)
+    return Located(whole if verdict is Verdict.STABLE else (), None, 0.0, True)
+
+
+def _pieces(interior: Sequence[CauchySet]) -> list[tuple[Root, Root | None]]:
+    """The open intervals on which every field is Cauchy-stable."""
+    pieces: list[tuple[Root, Root | None]] = [(Root.of(0), None)]
+    for each in interior:
+        met: list[tuple[Root, Root | None]] = []
+        for low, high in pieces:
+            for other in each.intervals:
+                start = max(low, other.low)
+                ends = [end for end in (high, other.high) if end is not None]
+                if not ends or start < min(ends):
+                    met.append((start, min(ends) if ends else None))
+        pieces = met
+    return pieces
+
+
+def _traced(
+    scheme: Scheme, values: Mapping[str, Fraction], low: Root, high: Root | None
+) -> tuple[list[Span], float] | str:
+    """The stable intervals of a Cauchy-stable piece and the error of their ends; or what stayed open."""
+    from gks.bounds.crossings import crossings
+    from gks.bounds.sampled import sampled
+
+    bottom, top = _double(low), None if high is None else _double(high)
+    middle = 2 * bottom + 1 if top is None else (bottom + top) / 2
+    compiled = sampled(normal_mode_problem(scheme, {**values, scheme.cfl: middle}, (scheme.cfl,)))
+    found = crossings(
+        lambda z, lam: compiled.at(z, lam).determinant, float(bottom), float("inf") if top is None else float(top)
+    )
+    if found.open_ is not None:
+        return found.open_
+    if found.always is not None:
+        return _never(scheme, values, middle, found.always)
+    cuts = [Fraction(lam) for lam in found.lams]
+    verdicts = [_verdict(scheme, values, _between(a, b)) for a, b in pairwise([bottom, *cuts, top])]
+    if None in verdicts:
+        return "the verdict between two crossings is undecided"
+    spans: list[Span] = []
+    error = 0.0
+    for k, (a, b) in enumerate(pairwise([bottom, *cuts, top])):
+        if verdicts[k] and a is not None:
+            if spans and verdicts[k - 1]:
+                return f"stable on either side of lam = {float(a):.12g}, where a mode is on the unit circle"
+            spans.append((a, b))
+    for k, cut in enumerate(cuts):
+        if verdicts[k] != verdicts[k + 1]:
+            held = _held(scheme, values, cut, bool(verdicts[k]))
+            if held is None:
+                return f"the end of a stable interval near lam = {float(cut):.12g} was not confirmed"
+            error = max(error, held)
+    return spans, error
+
+
+def _never(scheme: Scheme, values: Mapping[str, Fraction], lam: Fraction, z: int) -> tuple[list[Span], float] | str:
+    """Delta vanishes at z = 1 or -1 for every lam: whether that is a mode is the same for all, if it is one here."""
+    verdict = _verdict(scheme, values, lam)
+    if verdict is False:
+        return [], 0.0
+    return f"Delta vanishes at z = {z} for every lam"
+
+
+def _between(a: Fraction | None, b: Fraction | None) -> Fraction:
+    assert a is not None
+    return 2 * a + 1 if b is None else simplest_between((2 * a + b) / 3, (a + 2 * b) / 3)
+
+
+def _verdict(scheme: Scheme, values: Mapping[str, Fraction], lam: Fraction) -> bool | None:
+    """Stable or not at one lam where the interior is; None where that is undecided."""
+    try:
+        verdict = quick_verdict(scheme, {**values, scheme.cfl: lam})
+    except InputError:
+        return None
+    return None if verdict is Verdict.UNDECIDED else verdict is Verdict.STABLE
+
+
+def _held(scheme: Scheme, values: Mapping[str, Fraction], cut: Fraction, below: bool) -> float | None:
+    """The relative distance at which verdicts on either side of an end confirm it."""
+    for k in BESIDE:
+        step = Fraction(1, 2**k)
+        before, after = (_verdict(scheme, values, cut * (1 + s)) for s in (-step, step))
+        if before is below and after is (not below):
+            return 2.0**-k
+    return None
+
+
+def _limited(spans: Sequence[Span], interior: Sequence[CauchySet]) -> Limit | None:
+    top = spans[0][1] if spans and spans[0][0] == 0 else Fraction(0)
+    if top is None:
+        return None
+    limits = [each.first_limit for each in interior]
+    return "interior" if any(limit is not None and _double(limit) == top for limit in limits) else "closure"
+
+
+def _double(end: Root) -> Fraction:
+    """The end itself where it is rational, else to a double's accuracy."""
+    if end.rational is not None:
+        return end.rational
+    low, high = rational_ends(end.ball(80).real)
+    return (low + high) / 2

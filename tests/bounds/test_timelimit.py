@@ -1,0 +1,94 @@
+"""A computation that takes too long is ended, whatever it is doing, and what it had found is kept."""
+
+from __future__ import annotations
+
+import os
+import threading
+import time
+from collections.abc import Callable, Iterator
+
+import pytest
+
+from gks import catalogue
+from gks.bounds import timelimit
+from gks.bounds.curve import curve
+from gks.bounds.sweep import parse_sweep
+from gks.bounds.timelimit import OverTime, limited
+from gks.bounds.verdicts import verdict_within
+from gks.errors import ParameterError
+from gks.modes.verdict import Verdict
+
+Report = Callable[[object], None]
+
+
+def count(upto: int, seconds: float, report: Report) -> None:
+    """Reports its process's number and then 0, 1, ..., and then sleeps."""
+    report(os.getpid())
+    for k in range(upto):
+        report(k)
+    time.sleep(seconds)
+
+
+def at_fault(report: Report) -> None:
+    report("so far")
+    raise ParameterError("no such thing", path="alpha")
+
+
+@pytest.fixture(params=["forked", "started afresh"])
+def _way(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    if request.param == "forked" and threading.active_count() > 1:
+        pytest.skip("this process has threads, and is not copied")
+    monkeypatch.setattr(timelimit, "can_fork", lambda: request.param == "forked")
+    yield
+
+
+@pytest.mark.usefixtures("_way")
+class TestLimited:
+    def test_everything_is_reported_in_order(self) -> None:
+        number, *rest = limited(count, (3, 0.0), 60)
+        assert number != os.getpid()
+        assert rest == [0, 1, 2]
+
+    def test_what_came_in_time_is_kept_and_the_process_is_gone(self) -> None:
+        stream = limited(count, (2, 100.0), 6)
+        child, *found = next(stream), next(stream), next(stream)
+        assert isinstance(child, int)
+        assert found == [0, 1]
+        with pytest.raises(OverTime, match="limit of 6 s"):
+            next(stream)
+        with pytest.raises(ProcessLookupError):
+            os.kill(child, 0)
+
+    def test_errors_of_the_input_come_through(self) -> None:
+        stream = limited(at_fault, (), 60)
+        assert next(stream) == "so far"
+        with pytest.raises(ParameterError, match="no such thing"):
+            next(stream)
+
+
+def test_a_verdict_over_the_limit_is_undecided() -> None:
+    scheme = catalogue.find("lax-wendroff-order-8-oblique")
+    found = verdict_within(scheme, scheme.values({}), limit=1e-3)
+    assert found.verdict is Verdict.UNDECIDED
+    assert "limit of 0.001 s" in found.because
+    assert found.to_json()["modes"] == []
+
+
+def test_a_verdict_within_the_limit_is_the_same() -> None:
+    scheme = catalogue.find("traditional-1")
+    assert verdict_within(scheme, scheme.values({}), limit=60) == verdict_within(scheme, scheme.values({}))
+
+
+def test_points_over_the_limit_are_flagged_and_the_next_one_is_tried() -> None:
+    scheme = catalogue.find("leapfrog-space-0")
+    (point,) = curve(scheme, scheme.values({}), limit=1e-3).points
+    assert not point.resolved
+    assert "limit" in point.because
+    (point,) = curve(scheme, scheme.values({}), limit=60).points
+    assert point.resolved
+
+
+def test_points_of_the_batch_need_no_limit() -> None:
+    scheme = catalogue.find("traditional-2")
+    found = curve(scheme, scheme.values({}), parse_sweep("alpha=1:10:50"), limit=1e-3)
+    assert all(point.resolved for point in found.points)
