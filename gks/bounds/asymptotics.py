@@ -7,15 +7,15 @@ parameter far out, tells which edge and which root.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from fractions import Fraction
 
 from flint import arb, ctx, fmpq, fmpz_mpoly, fmpz_poly
 
 from gks.bounds.boundary import curve_at
-from gks.bounds.cells import Cell
 from gks.bounds.closedform import number_form
 from gks.bounds.criticality import ascending_roots
+from gks.bounds.region import Cell
 from gks.modes.algebraic import GUARD_BITS, START_BITS, Root
 from gks.scheme.expression import Expr, mul, number, power, sqrt, symbol
 
@@ -30,20 +30,18 @@ def leading_term(curve: fmpz_mpoly, k: int, cell: Cell, end: str, name: str) -> 
     """c p**e for the k-th positive root over ``cell``, which reaches ``end`` ("0", "oo" or "-oo"); None without a
     formula.
 
-    Exponents other than whole and half ones, and an end at -oo, have no formula here.
+    Exponents other than whole and half ones have no formula here. On negative p it is a term in -p.
     """
     p = _far(cell, end)
-    if (
-        p < 0
-        or (cell.low is not None and not cell.low < Root.of(p))
-        or (cell.high is not None and not Root.of(p) < cell.high)
-    ):
+    if (cell.low is not None and not cell.low < Root.of(p)) or (cell.high is not None and not Root.of(p) < cell.high):
         return None
     lam = ascending_roots(curve_at(curve, p))[k - 1]
-    for exponent, poly in _edges(curve, end != "0"):
+    sign = 1 if p > 0 else -1
+    terms = {(int(i), int(j)): int(c) * sign**i for (i, j), c in curve.to_dict().items()}
+    for exponent, poly in _edges(terms, end != "0"):
         for c in ascending_roots(poly):
-            if _follows(lam, c, p, exponent):
-                return _term(c, exponent, name)
+            if _follows(lam, c, abs(p), exponent):
+                return _term(c, exponent, name, sign)
     return None
 
 
@@ -53,9 +51,8 @@ def _far(cell: Cell, end: str) -> Fraction:
     return Fraction(FAR) if end == "oo" else Fraction(-FAR)
 
 
-def _edges(curve: fmpz_mpoly, upper: bool) -> Iterator[tuple[Fraction, fmpz_poly]]:
+def _edges(terms: Mapping[tuple[int, int], int], upper: bool) -> Iterator[tuple[Fraction, fmpz_poly]]:
     """Exponent e and polynomial in c of every edge: terms a p**i lam**j with i + e j extreme."""
-    terms = {(int(i), int(j)): int(c) for (i, j), c in curve.to_dict().items()}
     extreme: dict[int, int] = {}
     for i, j in terms:
         extreme[j] = max(i, extreme.get(j, i)) if upper else min(i, extreme.get(j, i))
@@ -79,13 +76,16 @@ def _follows(lam: Root, c: Root, p: Fraction, exponent: Fraction) -> bool:
         return bool(abs(ratio - 1) < arb(fmpq(NEAR.numerator, NEAR.denominator)))
 
 
-def _term(c: Root, exponent: Fraction, name: str) -> Expr | None:
+def _term(c: Root, exponent: Fraction, name: str, sign: int) -> Expr | None:
+    """c (sign p)**e."""
     constant = number_form(c)
     if constant is None or exponent.denominator > 2:
         return None
     p = symbol(name)
     whole = exponent.numerator // exponent.denominator
-    factors = [constant] if exponent.denominator == 1 else [constant, sqrt(p)]
+    if sign**whole < 0:
+        constant = -constant
+    factors = [constant] if exponent.denominator == 1 else [constant, sqrt(p if sign > 0 else -p)]
     if constant.op == "num" and whole < 0:
         top, bottom = constant.value.numerator, constant.value.denominator
         below = mul([number(bottom), power(p, -whole)])

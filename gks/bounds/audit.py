@@ -3,7 +3,7 @@
 Nothing here knows what any publication says. A claim is a bound on the CFL number, a verdict or a modulus; each kind is
 derived in one way and compared exactly. A claim that fails comes with exact parameter values at which it does, the root
 that shows it, and a march there, if the caller gives a marcher (`gks.solvers.march.march`). A bound is held at exact
-values all over its range, which can refute it and can't prove it; with a prover the theorem stands beside it.
+values all over its range, which can refute it and can't prove it; with a prover the theorem decides over all of it.
 """
 
 from __future__ import annotations
@@ -12,13 +12,17 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from time import perf_counter
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from gks.bounds.boundclaim import hold_bound
 from gks.bounds.finding import Finding, Status, point_text, undecided
 from gks.bounds.pointclaim import hold_modulus, hold_verdict
+from gks.bounds.samples import interval_text, open_parameters
 from gks.errors import GksError, InputError
-from gks.scheme.model import Claim, Scheme
+from gks.scheme.model import Claim, Parameter, Scheme
+
+if TYPE_CHECKING:
+    from gks.bounds.region import Decomposition
 
 
 class Result(Protocol):
@@ -119,7 +123,10 @@ def audit(scheme: Scheme, marcher: Route | None = None, prover: Route | None = N
     start = perf_counter()
     held = []
     for claim in scheme.claims:
-        finding = _proved(scheme, claim, _finding(scheme, claim), prover)
+        region, told = _region(scheme, claim, prover)
+        finding = _throughout(scheme, claim, _finding(scheme, claim, region), region)
+        if told is not None:
+            finding = replace(finding, evidence={**finding.evidence, "theorem": told})
         held.append(Held(claim, _marched(scheme, finding, marcher)))
     return Audit(scheme, tuple(held), perf_counter() - start)
 
@@ -151,12 +158,12 @@ def statement(claim: Claim) -> str:
     return " and ".join(parts) + (f" at {point_text(claim.at)}" if claim.at else "")
 
 
-def _finding(scheme: Scheme, claim: Claim) -> Finding:
+def _finding(scheme: Scheme, claim: Claim, region: Result | None) -> Finding:
     """The finding for a claim; one that states several things holds if all of them do."""
     findings = []
     try:
         if claim.bound is not None:
-            findings.append(hold_bound(scheme, claim, claim.bound))
+            findings.append(hold_bound(scheme, claim, claim.bound, _cell_samples(scheme, claim, region)))
         if claim.stable is not None:
             findings.append(hold_verdict(scheme, claim))
         if claim.modulus is not None:
@@ -175,16 +182,51 @@ def _together(findings: Sequence[Finding]) -> Finding:
     return replace(worst, derived="; ".join(finding.derived for finding in findings), evidence=evidence)
 
 
-def _proved(scheme: Scheme, claim: Claim, finding: Finding, prover: Route | None) -> Finding:
-    """The finding for a bound with the theorem that stands beside it, or in its place, or with the reason for none."""
+def _region(scheme: Scheme, claim: Claim, prover: Route | None) -> tuple[Result | None, Mapping[str, object] | None]:
+    """The theorem for a bound's values, with what is told of it, or the reason for none."""
     if prover is None or claim.bound is None:
-        return finding
+        return None, None
     try:
-        theorem = prover(scheme, {name: value for name, value in claim.at.items() if name != scheme.cfl}).to_json()
+        region = prover(scheme, {name: value for name, value in claim.at.items() if name != scheme.cfl})
     except GksError as error:
-        return replace(finding, evidence={**finding.evidence, "theorem": {"refused": str(error)}})
-    told = {key: theorem.get(key) for key in ("status", "statement")}
-    return replace(finding, evidence={**finding.evidence, "theorem": told})
+        return None, {"refused": str(error)}
+    theorem = region.to_json()
+    return region, {key: theorem.get(key) for key in ("status", "statement")}
+
+
+def _over_parameter(scheme: Scheme, claim: Claim, region: Result | None) -> tuple[Decomposition, Parameter] | None:
+    """The theorem's cells, and its parameter, where that is the one that the claim leaves open."""
+    from gks.bounds.proof import Region
+
+    free = open_parameters(scheme, claim)
+    if not isinstance(region, Region) or region.cells is None:
+        return None
+    return (region.cells, free[0]) if [p.name for p in free] == [region.theorem.parameter] else None
+
+
+def _cell_samples(scheme: Scheme, claim: Claim, region: Result | None) -> list[dict[str, Fraction]]:
+    """Values in every cell of the theorem."""
+    found = _over_parameter(scheme, claim, region)
+    if found is None:
+        return []
+    cells, parameter = found
+    values = scheme.values(dict(claim.at), [parameter.name])
+    return [{**values, parameter.name: cell.sample} for cell in cells.cells]
+
+
+def _throughout(scheme: Scheme, claim: Claim, finding: Finding, region: Result | None) -> Finding:
+    """A bound that held wherever it was looked at, held for every value of the theorem's parameter."""
+    found = _over_parameter(scheme, claim, region)
+    if finding.status is not Status.HOLDS or claim.bound is None or found is None:
+        return finding
+    from gks.bounds.claimproof import holds_throughout
+
+    cells, parameter = found
+    values = scheme.values(dict(claim.at), [parameter.name])
+    if not holds_throughout(claim.bound, cells, parameter.name, values, (parameter.low, parameter.high)):
+        return finding
+    derived = f"{scheme.cfl}_max equals the claim for every {parameter.name} in {interval_text(parameter)}: proved"
+    return replace(finding, derived=derived, evidence={**finding.evidence, "route": "theorem"})
 
 
 def _marched(scheme: Scheme, finding: Finding, marcher: Route | None) -> Finding:

@@ -30,7 +30,7 @@ from gks.modes.algebraic import Root
 from gks.modes.cauchy import degree_in
 from gks.modes.cauchy_set import CauchySet, cauchy_set
 from gks.modes.characteristic import unit_lines
-from gks.modes.coefficients import Coefficients
+from gks.modes.coefficients import Coefficients, Ratio
 from gks.modes.doubledouble import UNIT, Array, Real
 from gks.modes.fibre import coefficients as powers_of
 from gks.modes.field import Field
@@ -56,51 +56,85 @@ class BatchSet:
     interior_limit: Array
 
 
+    def open_points(self) -> list[int]:
+        """Those that the batch did not resolve."""
+        return [int(k) for k in np.flatnonzero(~self.stable.resolved)]
+
+
 def samples(points: Sequence[Point]) -> tuple[Point, Point]:
     """The points of a sweep at one of which the signs of its speeds are looked up."""
     return points[len(points) // 2], points[len(points) // 3]
 
 
-def batch(
-    scheme: Scheme,
-    values: Mapping[str, Fraction],
-    name: str,
-    points: Sequence[Point],
-    at: Sequence[Point] | None = None,
-) -> BatchSet | None:
-    """The stable sets at the points, None where the scheme is not of the kind this route is for.
+@dataclass(frozen=True, slots=True)
+class _Interior:
+    """A Cauchy set, in lam, or in lam times the modulus of a speed that the swept parameter moves."""
 
-    Points at which a speed has another sign than at the first of ``at`` where there is a scheme (default: `samples` of
-    the points) are not resolved. What is found at a point depends on it and on ``at`` alone.
+    limits: CauchySet
+    speed: Ratio | None
+
+
+@dataclass(frozen=True, slots=True)
+class Batch:
+    """A scheme ready for many values of a parameter: what is derived once.
+
+    factors : of the characteristic polynomial, in s; exceptional : polynomials at a zero of which there is no scheme.
     """
-    problem = _at_some_point(scheme, values, name, samples(points) if at is None else at)
+
+    problem: NormalModeProblem
+    swept: str
+    factors: tuple[fmpz_mpoly, ...]
+    exceptional: tuple[fmpz_mpoly, ...]
+    interiors: tuple[_Interior, ...]
+
+    def at(self, points: Sequence[Point]) -> BatchSet:
+        """The stable sets at the points: what is found at one depends on it alone.
+
+        Points at which a speed has another sign than where the scheme was derived are not resolved.
+        """
+        parameter = _double_double(points)
+        with np.errstate(all="ignore"):  # what overflows is flagged and goes to the exact route
+            interior = everything(len(points))
+            for each in self.interiors:
+                interior = intersect(interior, _in_lam(each, self.swept, parameter))
+            result = interior
+            for factor in self.factors:
+                result = intersect(result, _closure(self.problem, factor, self.swept, parameter))
+            result.resolved[:] &= _same_signs(self.problem, self.swept, parameter)
+            for polynomial in self.exceptional:
+                # A degenerate closure or a division by zero: the exact route says which.
+                value, error = _at(polynomial, self.swept, parameter)
+                result.resolved[:] &= np.abs(value.hi) > 2 * error
+        first = np.where((interior.count > 0) & (interior.lo[:, 0] == 0), interior.hi[:, 0], 0.0)
+        return BatchSet(result, first)
+
+
+def prepared(scheme: Scheme, values: Mapping[str, Fraction], name: str, at: Sequence[Point]) -> Batch | None:
+    """The scheme derived at the first of some values of the parameter where there is one; None where it is not of the
+    kind this route is for.
+    """
+    problem = _at_some_point(scheme, values, name, at)
     if problem is None or not _applies(problem):
         return None
     try:
         elimination = characteristic_factors(problem)
     except (Degenerate, TooWide):
         return None
-    factors = [factor.polynomial for factor in elimination.factors]
+    factors = tuple(factor.polynomial for factor in elimination.factors)
     lam, swept = (problem.coefficients.variable(symbol) for symbol in (scheme.cfl, name))
     if elimination.lost_sheet or any(degree_in(f, lam) or degree_in(f, "s") > MAX_DEGREE for f in factors):
         return None
-    exceptional = [*elimination.idle, *problem.coefficients.inverted.values()]
+    exceptional = (*elimination.idle, *problem.coefficients.inverted.values())
     if any(degree_in(f, lam) for f in exceptional):
         return None
-    parameter = _double_double(points)
-    with np.errstate(all="ignore"):  # what overflows is flagged and goes to the exact route
-        interior = _interior(problem, swept, parameter)
-        if interior is None:
-            return None
-        result = interior
-        for factor in factors:
-            result = intersect(result, _closure(problem, factor, swept, parameter))
-        result.resolved[:] &= _same_signs(problem, swept, parameter)
-        for polynomial in exceptional:
-            # A degenerate closure or a division by zero: the exact route says which.
-            value, error = _at(polynomial, swept, parameter)
-            result.resolved[:] &= np.abs(value.hi) > 2 * error
-    return BatchSet(result, np.where(interior.count > 0, np.where(interior.lo[:, 0] == 0, interior.hi[:, 0], 0.0), 0.0))
+    interiors = _interiors(problem, swept)
+    return None if interiors is None else Batch(problem, swept, factors, exceptional, interiors)
+
+
+def batch(scheme: Scheme, values: Mapping[str, Fraction], name: str, points: Sequence[Point]) -> BatchSet | None:
+    """The stable sets at the points of a sweep, None where the scheme is not of the kind this route is for."""
+    ready = prepared(scheme, values, name, samples(points))
+    return None if ready is None else ready.at(points)
 
 
 def _at_some_point(
@@ -126,14 +160,20 @@ def _applies(problem: NormalModeProblem) -> bool:
 
 
 def _double_double(points: Sequence[Point]) -> Real:
+    """The values as double-double: nan where a double cannot hold them."""
+    exact = [k for k, p in enumerate(points) if type(p) is not float]
     high, low = np.empty(len(points)), np.zeros(len(points))
-    for k, p in enumerate(points):
-        if isinstance(p, float):
-            high[k] = p
-            continue
-        double = to_double(p)
-        high[k] = np.nan if double is None else double
-        low[k] = 0.0 if double is None else float(p - Fraction(double))
+    if len(exact) < len(points):
+        high[:] = np.fromiter((p if type(p) is float else 0.0 for p in points), float, len(points))
+    for k in exact:
+        value = Fraction(points[k])
+        double = to_double(value)
+        if double is None:
+            high[k] = np.nan
+        else:
+            above, below = double.as_integer_ratio()
+            rest = value.numerator * below - above * value.denominator
+            high[k], low[k] = double, rest / (value.denominator * below)
     return Real(high, low)
 
 
@@ -201,9 +241,9 @@ def _nearest(value: int) -> float:
 # Interior -------------------------------------------------------------------------------------------------------------
 
 
-def _interior(problem: NormalModeProblem, swept: str, parameter: Real) -> Intervals | None:
-    """The Cauchy-stable lam of all fields; None where one depends on the parameter in more than its speed."""
-    result = everything(len(parameter.hi))
+def _interiors(problem: NormalModeProblem, swept: str) -> tuple[_Interior, ...] | None:
+    """The Cauchy sets of all fields; None where one depends on the parameter in more than its speed."""
+    found: list[_Interior] = []
     seen: set[str] = set()
     for block in problem.blocks:
         symbol = field_symbol(block.field, problem.coefficients)
@@ -211,20 +251,25 @@ def _interior(problem: NormalModeProblem, swept: str, parameter: Real) -> Interv
             continue
         seen.add(str(symbol))
         if not degree_in(symbol, swept):
-            one = np.ones_like(parameter.hi)
-            result = intersect(result, _scaled(_cauchy(problem, symbol), Real(one, 0 * one)))
+            found.append(_Interior(_cauchy(problem, symbol), None))
             continue
         unit = _unit_symbol(problem, block.field)
-        if unit is None or block.field.speed is None:
+        if unit is None:
             return None
-        top, top_error = _at(block.field.speed.num, swept, parameter)
-        bottom, bottom_error = _at(block.field.speed.den, swept, parameter)
-        speed = Real(np.abs(top.hi / bottom.hi), np.zeros_like(top.hi))
-        good = top_error + np.abs(top.hi) * UNIT <= 4 * UNIT * np.abs(top.hi)
-        good &= bottom_error <= UNIT * np.abs(bottom.hi)
-        mine = _scaled(_cauchy(problem, unit), speed)
-        mine.resolved[:] &= good
-        result = intersect(result, mine)
+        found.append(_Interior(_cauchy(problem, unit), block.field.speed))
+    return tuple(found)
+
+
+def _in_lam(interior: _Interior, swept: str, parameter: Real) -> Intervals:
+    """The Cauchy-stable lam of one field."""
+    if interior.speed is None:
+        one = np.ones_like(parameter.hi)
+        return _scaled(interior.limits, Real(one, 0 * one))
+    top, top_error = _at(interior.speed.num, swept, parameter)
+    bottom, bottom_error = _at(interior.speed.den, swept, parameter)
+    result = _scaled(interior.limits, Real(np.abs(top.hi / bottom.hi), np.zeros_like(top.hi)))
+    result.resolved[:] &= top_error + np.abs(top.hi) * UNIT <= 4 * UNIT * np.abs(top.hi)
+    result.resolved[:] &= bottom_error <= UNIT * np.abs(bottom.hi)
     return result
 
 

@@ -41,10 +41,10 @@ class _Held:
         return self.stable.lam_max
 
 
-def hold_bound(scheme: Scheme, claim: Claim, formula: Expr) -> Finding:
-    """Hold a claimed bound against the exact stable set at each of the sample values."""
+def hold_bound(scheme: Scheme, claim: Claim, formula: Expr, further: Sequence[Values] = ()) -> Finding:
+    """Hold a claimed bound against the exact stable set at each of the sample values, and at ``further`` ones."""
     free = [parameter.name for parameter in open_parameters(scheme, claim)]
-    points = _points(scheme, claim, formula)
+    points = _points(scheme, claim, formula, further)
     decided = [point for point in points if point.sign is not None]
     evidence: dict[str, object] = {
         "route": "exact stable sets",
@@ -67,7 +67,7 @@ def hold_bound(scheme: Scheme, claim: Claim, formula: Expr) -> Finding:
     return Finding(Status.FAILS, derived, _counterexample(scheme, claim, formula, chosen), evidence)
 
 
-def _points(scheme: Scheme, claim: Claim, formula: Expr) -> list[_Held]:
+def _points(scheme: Scheme, claim: Claim, formula: Expr, further: Sequence[Values]) -> list[_Held]:
     """The claim held at every sample; at the first alone if the analysis doesn't reach the scheme there."""
     first, *others = samples(scheme, claim)
     try:
@@ -75,7 +75,7 @@ def _points(scheme: Scheme, claim: Claim, formula: Expr) -> list[_Held]:
     except NotAnalysable as error:
         return [_Held(first, None, None, str(error))]
     points = [beginning]
-    for values in others:
+    for values in (*others, *further):
         try:
             points.append(_held(scheme, claim, formula, values))
         except NotAnalysable as error:

@@ -14,14 +14,14 @@ p = p0) nothing follows from the sides: an exact stable set decides.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
 
 from flint import ctx, fmpz_mpoly, fmpz_poly
 
 from gks.bounds.boundary import Boundary, boundary, curve_at
-from gks.bounds.cfl import Limit, StableSet, stable_set
+from gks.bounds.cfl import StableSet, stable_set
+from gks.bounds.clearpoint import Eliminated, clear_at, decays_at, eliminated
 from gks.bounds.criticality import (
     Critical,
     Report,
@@ -35,13 +35,12 @@ from gks.bounds.criticality import (
     shown,
 )
 from gks.bounds.meeting import meeting_points
-from gks.errors import GksError, InputError
+from gks.bounds.pointverdict import NotProved, interior_holds, verdict_at
+from gks.bounds.region import Branch, Cell, Cut, Decomposition, End, Span, split_at, value_of
+from gks.errors import NotAnalysable, ParameterError, SchemeError
 from gks.modes.algebraic import GUARD_BITS, START_BITS, Root, isolated_roots, primitive
-from gks.modes.analysis import quick_verdict
 from gks.modes.cauchy import degree_in
 from gks.modes.fibre import at_balls, fibre, specialise, univariate
-from gks.modes.interior import interior_stability
-from gks.modes.kreiss import normal_mode_problem
 from gks.modes.unimodular import by_real_part, rational_ends
 from gks.modes.verdict import Verdict
 from gks.scheme.model import Scheme
@@ -50,58 +49,8 @@ MEETING_BITS = 1 << 13
 """Precision at which telling a meeting point from its neighbours is given up."""
 
 
-class NotProved(GksError):
-    """The theorem stays open; the message says why."""
-
-
-@dataclass(frozen=True, slots=True)
-class Branch:
-    """lam as a function of p: the k-th positive root, from 1, of a curve."""
-
-    curve: int
-    k: int
-
-
-End = Branch | Root | None
-"""An end of a stable interval: a branch over a cell, a number on a cut; None is 0 below and infinity above."""
-
-
-@dataclass(frozen=True, slots=True)
-class Span:
-    """An open interval of stable lam."""
-
-    low: End
-    high: End
-
-
-@dataclass(frozen=True, slots=True)
-class Cell:
-    """An open interval of p (None: the end of the domain), its rational sample, and the stable intervals over it."""
-
-    low: Root | None
-    high: Root | None
-    sample: Fraction
-    spans: tuple[Span, ...]
-    limited_by: Limit | None
-    at_bound: Verdict | None
-
-
-@dataclass(frozen=True, slots=True)
-class Cut:
-    """A point between two cells. ``spans`` None: the stable set is the common limit of both sides."""
-
-    root: Root
-    spans: tuple[Span, ...] | None
-    at_bound: Verdict | None
-
-
-@dataclass(frozen=True, slots=True)
-class Decomposition:
-    """``len(cells) == len(cuts) + 1``, ascending."""
-
-    boundary: Boundary
-    cells: tuple[Cell, ...]
-    cuts: tuple[Cut, ...]
+WIDEST_FIELD = 16
+"""Degree of the numbers p and lam together up to which an exact verdict on a cut is a matter of seconds."""
 
 
 def decompose(
@@ -133,6 +82,7 @@ class _Decomposer:
         self.high = None if high is None else Root.of(high)
         self.values = {**values, scheme.cfl: values.get(scheme.cfl, Fraction(1))}
         self.boundary = Boundary((), ())
+        self.eliminations: dict[Fraction, Eliminated | None] = {}
 
     def run(self) -> Decomposition:
         self.boundary = self._whole_boundary()
@@ -190,8 +140,8 @@ class _Decomposer:
         sample = between(low, high)
         found = self._stable_set(sample)
         spans = tuple(Span(self._branch(i.low, sample), self._branch(i.high, sample)) for i in found.intervals)
-        bound = found.lam_max
-        return Cell(low, high, sample, spans, found.limited_by, self._at_bound(sample, bound))
+        at_bound = self._at_bound(sample, sample, found.lam_max, ends_stability=found.limited_by == "closure")
+        return Cell(low, high, sample, spans, found.limited_by, at_bound)
 
     def _stable_set(self, p: Fraction | Root) -> StableSet:
         found = stable_set(self.scheme, self.at(p))  # type: ignore[arg-type]
@@ -209,8 +159,25 @@ class _Decomposer:
                 return Branch(index, 1 + ascending_roots(poly).index(mine))
         raise NotProved(f"an end of the stable set at {self.parameter} = {p} lies on none of the boundary curves")
 
-    def _at_bound(self, p: Fraction | Root, bound: Root | None) -> Verdict | None:
-        return None if bound is None or bound.is_zero else self.verdict(p, bound)
+    def _at_bound(
+        self, sample: Fraction, p: Fraction | Root, bound: Root | None, *, ends_stability: bool
+    ) -> Verdict | None:
+        """The verdict on the bound over p, in a cell or at an end of the cell with that sample.
+
+        Modes with abs(z) >= 1 are a closed set where the interior is Cauchy-stable: so one is here if the bound is
+        where they begin (``ends_stability``), and none grows, as none does below. It is neutral if it decays strictly.
+        """
+        if bound is None or bound.is_zero:
+            return None
+        if ends_stability:
+            here = p if isinstance(p, Root) else Root.of(p)
+            found = self._elimination(sample)
+            decays = found is not None and decays_at(found, {self.parameter: here, self.scheme.cfl: bound})
+            if decays and interior_holds(self.scheme, {**self.at(p), self.scheme.cfl: bound}):
+                return Verdict.NEUTRAL
+        if isinstance(p, Root) and p.minimal.poly.degree() * bound.minimal.poly.degree() > WIDEST_FIELD:
+            return Verdict.UNDECIDED
+        return self.verdict(p, bound)
 
     def verdict(self, p: Fraction | Root, lam: Root) -> Verdict:
         return verdict_at(self.scheme, {**self.at(p), self.scheme.cfl: lam})
@@ -228,24 +195,65 @@ class _Decomposer:
 
     def _cut(self, root: Root, cause: Critical, left: Cell, right: Cell) -> Cut:
         if not cause.wall:
-            isolated = [lam for lam in self._meetings_inside(root, cause, left) if self._unstable(root, lam)]
-            if not isolated:
-                return Cut(root, None, None)
+            return self._crossing(root, cause, left, right)
         try:
             here = self._stable_set(root)
-        except InputError:
+        except (SchemeError, ParameterError):
             return Cut(root, (), None)  # no scheme at this value
+        except NotAnalysable as reason:
+            raise NotProved(f"at {self.parameter} = {shown(root)}: {reason.message}") from None
         limits = self.limit(left, root), self.limit(right, root)
         intervals = [(i.low, i.high) for i in here.intervals]
+        at_bound = self._at_bound(left.sample, root, here.lam_max, ends_stability=False)
         if intervals == limits[0] == limits[1]:
-            return Cut(root, None, None)
-        return Cut(root, tuple(Span(*i) for i in intervals), self._at_bound(root, here.lam_max))
+            return Cut(root, None, at_bound)
+        return Cut(root, tuple(Span(*i) for i in intervals), at_bound)
 
-    def _unstable(self, root: Root, lam: Root) -> bool:
+    def _crossing(self, root: Root, cause: Critical, left: Cell, right: Cell) -> Cut:
+        """A cut that no curve contains: the limit of the stable set, split where a meeting point is not stable."""
+        limits = self.limit(left, root)
+        isolated = [lam for lam in self._meetings_inside(root, cause, left) if self._unstable(root, lam, left, right)]
+        if isolated:
+            limits = split_at(limits, isolated)
+        bound = limits[0][1] if limits and limits[0][0] is None else None
+        closure = bound in isolated or "closure" in (left.limited_by, right.limited_by)
+        at_bound = self._at_bound(left.sample, root, bound, ends_stability=closure)
+        return Cut(root, tuple(Span(*i) for i in limits) if isolated else None, at_bound)
+
+    def _elimination(self, sample: Fraction) -> Eliminated | None:
+        """With both symbols, for the signs and counts at a cell's sample."""
+        if sample not in self.eliminations:
+            values = {**self.values, self.parameter: sample}
+            self.eliminations[sample] = eliminated(self.scheme, values, (self.parameter, self.scheme.cfl))
+        return self.eliminations[sample]
+
+    def _unstable(self, root: Root, lam: Root, left: Cell, right: Cell) -> bool:
+        """Whether a meeting point between stable stretches is not stable: by balls, by what closes in on it, exactly.
+
+        Modes with abs(z) >= 1 are a closed set where the interior is Cauchy-stable: a gap between two stable intervals
+        beside the cut that shrinks to the point leaves one there.
+        """
+        found = self._elimination(left.sample)
+        if found is not None and clear_at(found, {self.parameter: root, self.scheme.cfl: lam}):
+            return not interior_holds(self.scheme, {**self.at(root), self.scheme.cfl: lam})
+        if any(self._gap_closes(cell, root, lam) for cell in (left, right)):
+            return True
         verdict = self.verdict(root, lam)
         if verdict is Verdict.UNDECIDED:
             raise NotProved(f"{self.parameter} = {shown(root)}, {self.scheme.cfl} = {shown(lam)} is undecided")
         return verdict is not Verdict.STABLE
+
+    def _gap_closes(self, cell: Cell, root: Root, lam: Root) -> bool:
+        for below, above in pairwise(cell.spans):
+            ends = below.high, above.low
+            if any(end is None or self.limit_of(cell, end, root) != lam for end in ends):
+                continue
+            low, high = (value_of(self.boundary, end, cell.sample) for end in ends if end is not None)
+            within = Fraction(0) if low == high else between(low, high)
+            here: dict[str, Fraction | Root] = {**self.at(cell.sample), self.scheme.cfl: within}
+            if low != high and interior_holds(self.scheme, here):
+                return True
+        return False
 
     def _meetings_inside(self, root: Root, cause: Critical, left: Cell) -> Iterator[Root]:
         """The meeting points with stable lam on either side, next to them on the cut."""
@@ -318,21 +326,3 @@ class _Decomposer:
         here = value_of(self.boundary, branch, p)
         place = sum(Root.of(gate) < here for gate in walls)
         return 0 if place == 0 else "oo" if place == len(walls) else ends[place - 1]
-
-
-def value_of(found: Boundary, end: Branch | Root, p: Fraction) -> Root:
-    """The number that an end of a stable interval is at p."""
-    if isinstance(end, Root):
-        return end
-    return ascending_roots(curve_at(found.curves[end.curve], p))[end.k - 1]
-
-
-def verdict_at(scheme: Scheme, values: Mapping[str, Fraction | Root]) -> Verdict:
-    """The exact verdict at a point; UNSTABLE where no scheme exists (a division by zero, a degenerate closure)."""
-    exact = {n: v if isinstance(v, Fraction) or v.rational is None else v.rational for n, v in values.items()}
-    try:
-        if interior_stability(normal_mode_problem(scheme, exact)) is not None:
-            return Verdict.UNSTABLE
-        return quick_verdict(scheme, exact)
-    except InputError:
-        return Verdict.UNSTABLE

@@ -14,8 +14,8 @@ from hashlib import sha256
 from flint import fmpz_mpoly
 
 from gks.bounds.boundary import PLANE
-from gks.bounds.cells import Branch, Cell, Cut, Decomposition, End
 from gks.bounds.cfl import StableSet
+from gks.bounds.region import Branch, Cell, Cut, Decomposition, End
 from gks.bounds.theorem import Theorem
 from gks.modes.algebraic import Root, isolated_roots
 from gks.modes.fibre import embed

@@ -23,8 +23,9 @@ from typing import Any
 
 from flint import arb, ctx, fmpz_mpoly
 
-from gks.bounds.checkcells import CellCheck, CutCheck
+from gks.bounds.checkcells import CellCheck
 from gks.bounds.checkcurves import curves
+from gks.bounds.checkcuts import CutCheck
 from gks.bounds.checkderive import derive
 from gks.bounds.checkformula import Rejected
 from gks.bounds.checkline import verify_line

@@ -49,4 +49,4 @@ def deflated(parts: Sequence[acb]) -> tuple[list[acb], list[acb]]:
         for c in reversed(rest[1:-1]):
             quotient.append(c + root * quotient[-1])
         rest = quotient[::-1]
-    return solved(rest), hits
+    return [_sharpened(whole, root) for root in solved(rest)], hits

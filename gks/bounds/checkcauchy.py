@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
-from itertools import pairwise
+from itertools import combinations, pairwise
 
 from flint import acb, arb, fmpq, fmpz_mpoly, fmpz_poly
 
@@ -73,6 +73,26 @@ def _circle_ball(slope: tuple[Fraction, Fraction]) -> acb:
     return acb(1 - t * t, 2 * t) / (1 + t * t)
 
 
+def limit_holds(growth: fmpz_mpoly, at: Mapping[str, acb]) -> bool:
+    """Whether F(z, x) = 0 is Cauchy-stable at a point in balls, given that it is the limit of stable ones.
+
+    The moduli then are at most 1, and only a multiple root on the circle can do harm: one that balls do not tell from
+    it counts. Open where they tell nothing.
+    """
+    split = [f for f, _ in factors(growth) if degree(f, "z")]
+    loci = [f.discriminant("z") for f in split if degree(f, "z") > 1]
+    loci += [one.resultant(other, "z") for one, other in combinations(split, 2)]
+    spots = [acb(1), acb(-1)] if loci else []
+    for locus in loci:
+        for g, _ in factors(locus):
+            parts = [enclose(c, at) for c in parts_of(g, "x")]
+            try:
+                spots += solved(parts)
+            except Open:
+                spots += [x for found in deflated(parts) for x in found]
+    return all(_simple_at(split, {**at, "x": x}) for x in spots if abs(x).contains(1))
+
+
 def _inside_or_on(f: fmpz_mpoly, x: acb) -> bool:
     """Whether no root z at a point between cuts is outside; on the circle are those whose mirror image is their own."""
     roots = solved([enclose(c, {"x": x}) for c in parts_of(f, "z")])
@@ -89,9 +109,13 @@ def _inside_or_on(f: fmpz_mpoly, x: acb) -> bool:
 
 
 def _simple_on_circle(split: Sequence[fmpz_mpoly], x: acb) -> bool:
+    return _simple_at(split, {"x": x})
+
+
+def _simple_at(split: Sequence[fmpz_mpoly], at: Mapping[str, acb]) -> bool:
     near: list[acb] = []
     for f in split:
-        parts = [enclose(c, {"x": x}) for c in parts_of(f, "z")]
+        parts = [enclose(c, at) for c in parts_of(f, "z")]
         if parts[-1].contains(0):
             return False
         try:

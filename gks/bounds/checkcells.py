@@ -1,41 +1,35 @@
-"""Cells and cuts of a certificate, held against the checker's own verdicts."""
+"""Cells of a certificate, held against the checker's own verdicts."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from itertools import pairwise
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
-from flint import acb, arb, fmpz_mpoly, fmpz_poly
+from flint import arb, fmpz_mpoly
 
 from gks.bounds.checkformula import Rejected
-from gks.bounds.checkline import line, verdict_on, verify_line
+from gks.bounds.checkline import verdict_on
 from gks.bounds.checknumbers import (
     Real,
     ball_of,
     close,
     fraction,
     gaps_between,
-    near_positive,
     positive,
     real_root_of,
     simplest,
-    univariate,
 )
 from gks.bounds.checknumbers import exact as _exact
 from gks.bounds.checkpoint import Judge
-from gks.bounds.checkring import Unsupported
 from gks.scheme.model import Scheme
 
-NEARBY = Fraction(1, 1 << 160)
-"""How far beside a cut the curves are looked at, relatively: a meeting of m curves is apart by its m-th root there."""
+if TYPE_CHECKING:
+    from gks.bounds.checkcuts import CutCheck
 
-MEETING = Fraction(1, 1 << 20)
-"""Relative distance of curves so near a cut below which they are taken to meet on it."""
-
-MEETING_RADIUS = 2.0**-30
-"""Relative radius of the balls around such points; a fifth root of NEARBY is less."""
+VANISHING = 2.0**-30
+"""Bounds beside a cut below this tend to 0 there, above its inverse to infinity: NEARBY's fifth root is less."""
 
 
 class Owner(Protocol):
@@ -96,6 +90,40 @@ class CellCheck:
             if not one < other:
                 raise Rejected(f"two curves meet at the sample {p}")
         return found
+
+    def limits(self, p: Fraction) -> list[tuple[arb | None, arb | None]]:
+        """The stated intervals over ``p`` beside a cut as they are on it.
+
+        Those that shrink to a point or go to infinity are left out, those that come to touch are one, ends that tend
+        to 0 or infinity are there.
+        """
+        found: list[tuple[arb | None, arb | None]] = []
+        for span in self.spans:
+            low, high = (None if end is None else self.value(end, p) for end in span)
+            low = None if low is None or low < VANISHING else low
+            if (low is not None and low > 1 / VANISHING) or (high is not None and high < VANISHING):
+                continue
+            high = None if high is None or high > 1 / VANISHING else high
+            if low is not None and high is not None and close(low, high):
+                continue
+            last = found[-1][1] if found else None
+            if last is not None and low is not None and close(last, low):
+                found[-1] = (found[-1][0], high)
+            else:
+                found.append((low, high))
+        return found
+
+    def first_level(self, p: Fraction) -> tuple[fmpz_mpoly, arb] | None:
+        """The curve and the place of the bound over ``p`` beside a cut; None where it tends to 0 or infinity there."""
+        for low, high in self.spans:
+            if low is not None and self.value(low, p) > VANISHING:
+                return None
+            if high is None:
+                return None
+            level = self.value(high, p)
+            if level > VANISHING:
+                return (self.owner.curves[high[0]], level) if level < 1 / VANISHING else None
+        return None
 
     def gaps(self, p: Fraction) -> list[Fraction]:
         return gaps_between([level for level, _ in self.levels(p)])
@@ -180,107 +208,3 @@ def _branch(entry: Any) -> tuple[int, int] | None:
     if not (isinstance(curve, int) and isinstance(place, int) and curve >= 0 and place >= 1):
         raise Rejected(f"{entry!r} names no root of a curve")
     return curve, place
-
-
-class CutCheck:
-    """One cut: an algebraic number, and its own stable set where it has one."""
-
-    def __init__(self, owner: Owner, entry: Mapping[str, Any]) -> None:
-        self.owner = owner
-        self.root = owner.root(entry["at"], str(owner.parameter))
-        self.spans: list[tuple[Real | None, Real | None]] | None = None
-        if entry["stable_set"] is not None:
-            self.spans = owner.intervals(entry["stable_set"])
-        self.at_bound: str | None = entry["at_bound"]
-        if self.spans is None and self.at_bound is not None:
-            raise Rejected("a verdict on the bound of a cut that has no bound of its own")
-
-    def verify(self, left: CellCheck, right: CellCheck) -> None:
-        """The stable set here: on a wall by the checker's own means, elsewhere by the points where curves meet."""
-        wall = next((w for w in self.owner.walls if _same(univariate(w, "p"), self.root.poly)), None)
-        judge = left.judge
-        assert judge is not None
-        exact = self.root.rational
-        if wall is None and self.spans is None:
-            self._points(left, judge)
-        elif wall is not None and judge.loses_root(wall):
-            self._undetermined(left, right)
-        elif exact is not None:
-            self._line(exact, left, right)
-        elif not self.spans and self.at_bound is None:
-            self._gaps(left, right, judge)
-        else:
-            raise Unsupported("a stable set on a cut at an irrational value")
-
-    def _undetermined(self, left: CellCheck, right: CellCheck) -> None:
-        """The next time level is not determined here: nothing is stable."""
-        if self.spans is None:
-            for cell, p in zip((left, right), self._beside(), strict=True):
-                if any(cell.stated(p, lam) for lam in cell.gaps(p)):
-                    raise Rejected("a cut on which the next time level is not determined is said to be stable")
-        elif self.spans or self.at_bound is not None:
-            raise Rejected("a cut on which the next time level is not determined has a stable set")
-
-    def _line(self, exact: Fraction, left: CellCheck, right: CellCheck) -> None:
-        fixed = {**self.owner.fixed, str(self.owner.parameter): exact}
-        if self.spans is not None:
-            verify_line(self.owner.scheme, fixed, self.spans, self.at_bound)
-            return
-        found = line(self.owner.scheme, fixed)[0]
-        for cell, p in zip((left, right), self._beside(), strict=True):
-            self._limits(cell, p, found)
-
-    def _gaps(self, left: CellCheck, right: CellCheck, judge: Judge) -> None:
-        """Between the curves the verdict is what is said on the cut: what both sides say, or that nothing is stable."""
-        beside = self._beside()
-        levels = [level for level, _ in left.levels(beside[0])]
-        apart = [Fraction(0), *(_exact(level) for level in levels)]
-        gaps = left.gaps(beside[0])
-        for lam, (low, high) in zip(gaps, pairwise([*apart, apart[-1] + 1]), strict=True):
-            if high - low <= high * MEETING:
-                continue  # curves that meet on the cut leave nothing between them there
-            said = {left.stated(beside[0], lam), right.stated(beside[1], lam)} if self.spans is None else {False}
-            if said != {judge.stable_near(left.sample, lam, lambda bits: acb(self.root.ball(bits)))}:
-                raise Rejected(f"the verdict at a cut, lam = {lam}, is not what the certificate says")
-
-    def _beside(self) -> tuple[Fraction, Fraction]:
-        here = self.root.nearest
-        step = NEARBY * max(abs(here), Fraction(1))
-        return here - step, here + step
-
-    def _limits(self, cell: CellCheck, p: Fraction, found: Sequence[tuple[Real | None, Real | None]]) -> None:
-        """The stable set on a wall is the limit of the stable sets beside it."""
-        beside = [tuple(None if end is None else cell.value(end, p) for end in span) for span in cell.spans]
-        here = [tuple(None if end is None else end.ball() for end in span) for span in found]
-        if len(beside) != len(here) or not all(
-            (a is None) == (b is None) and (a is None or b is None or close(a, b))
-            for one, other in zip(beside, here, strict=True)
-            for a, b in zip(one, other, strict=True)
-        ):
-            raise Rejected(f"the stable set on the wall at {p} is not that of its neighbours")
-
-    def _points(self, left: CellCheck, judge: Judge) -> None:
-        """No curve point over the cut, inside the stable set, carries a mode: curves may meet or touch here.
-
-        The points are those over a rational value so near that what meets at the cut is together; balls around them
-        hold the true ones.
-        """
-        p = self._beside()[0]
-        for level in (r for curve in self.owner.curves for r in near_positive(curve, p)):
-            radius = abs(level) * 2.0**-20
-            below, above = (_exact(level.mid() + sign * radius) for sign in (-1, 1))
-            if below > 0 and left.stated(p, below) and left.stated(p, above):
-                self._point(judge, level)
-
-    def _point(self, judge: Judge, level: arb) -> None:
-        root = self.root
-
-        def ends(bits: int) -> dict[str, acb]:
-            return {"p": acb(root.ball(bits)), "lam": acb(arb(level.mid(), abs(float(level.mid())) * MEETING_RADIUS))}
-
-        if judge.at_point(ends) != "stable":
-            raise Rejected(f"a mode on the circle at {self.owner.parameter} = {root.ball().str(10)} is not stated")
-
-
-def _same(one: fmpz_poly, other: fmpz_poly) -> bool:
-    return one in (other, -other)

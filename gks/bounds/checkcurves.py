@@ -59,23 +59,10 @@ def kreiss(
 
 def characteristic(problem: Problem) -> tuple[list[fmpz_mpoly], list[fmpz_mpoly]]:
     """Irreducible factors of the norm of Delta: those with sigma, and those in p and lam alone."""
-    carried: list[list[str]] = []
-    used = 0
-    for family in problem.families:
-        carried.append([f"k{used + j}" for j in range(family.decaying)])
-        used += family.decaying
-        if used > MOST_ROOTS:
-            raise Unsupported("too many spatial roots to eliminate")
-    roots = [[ZERO] * b.zeros + [GEN[name] for name in carried[b.family]] for b in problem.blocks]
-    matrix = kreiss(problem, roots, lambda c: c, ZERO, ONE)
-    norm = determinant([[Fr(entry, ONE) for entry in row] for row in matrix]).num
+    carried = carried_roots(problem)
+    norm = delta_polynomial(problem, carried)
     for names, family in zip(carried, problem.families, strict=True):
-        relations = []
-        rest = family.part
-        for name in names:
-            relations.append(_compose(rest, name))
-            rest = _divided(rest, name)
-        for name, relation in reversed(list(zip(names, relations, strict=True))):
+        for name, relation in relations(family.part, names):
             common = norm.gcd(relation)
             while degree(common, name):
                 norm = norm / common
@@ -85,6 +72,35 @@ def characteristic(problem: Problem) -> tuple[list[fmpz_mpoly], list[fmpz_mpoly]
                 raise Rejected("the determinant of the closure vanishes identically")
     found = [f for f, _ in factors(norm)]
     return [f for f in found if degree(f, problem.variable)], [f for f in found if not degree(f, problem.variable)]
+
+
+def carried_roots(problem: Problem) -> list[list[str]]:
+    """Names for the decaying roots of each family."""
+    carried: list[list[str]] = []
+    used = 0
+    for family in problem.families:
+        carried.append([f"k{used + j}" for j in range(family.decaying)])
+        used += family.decaying
+        if used > MOST_ROOTS:
+            raise Unsupported("too many spatial roots to eliminate")
+    return carried
+
+
+def delta_polynomial(problem: Problem, carried: Sequence[Sequence[str]]) -> fmpz_mpoly:
+    """Delta in the spatial roots by name."""
+    roots = [[ZERO] * b.zeros + [GEN[name] for name in carried[b.family]] for b in problem.blocks]
+    matrix = kreiss(problem, roots, lambda c: c, ZERO, ONE)
+    return determinant([[Fr(entry, ONE) for entry in row] for row in matrix]).num
+
+
+def relations(part: fmpz_mpoly, names: Sequence[str]) -> list[tuple[str, fmpz_mpoly]]:
+    """What each of several roots of one polynomial satisfies given those before it, the last one first."""
+    found = []
+    rest = part
+    for name in names:
+        found.append((name, _compose(rest, name)))
+        rest = _divided(rest, name)
+    return found[::-1]
 
 
 def _compose(polynomial: fmpz_mpoly, name: str) -> fmpz_mpoly:

@@ -11,9 +11,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-from flint import acb, acb_poly, ctx, fmpq, fmpz_mpoly
+from flint import acb, ctx, fmpq, fmpz_mpoly
 
 from gks.bounds.checkformula import Rejected
+from gks.bounds.checknumbers import roots_of, univariate
 from gks.bounds.checkring import (
     GEN,
     ONE,
@@ -313,10 +314,10 @@ def _inside(factor: fmpz_mpoly, variable: str, sample: Mapping[str, Fraction]) -
     for name, value in {**sample, variable: outside}.items():
         factor = put(factor, name, value)
     with ctx.workprec(COUNT_BITS):
-        roots = acb_poly([enclose(c, {}) for c in parts_of(factor, "x")]).roots()
-        if any(abs(root).contains(1) for root in roots):
+        roots = [(root, m) for g, m in univariate(factor, "x").factor()[1] for root in roots_of(g)]
+        if any(abs(root).contains(1) for root, _ in roots):
             raise Unsupported("a spatial root on the circle at the sample")
-        return sum(1 for root in roots if abs(root) < 1)
+        return sum(m for root, m in roots if abs(root) < 1)
 
 
 Row = tuple[tuple[int, int, fmpz_mpoly], ...]

@@ -59,7 +59,7 @@ def verdict_on(judge: Judge, p: Fraction, lam: Real) -> str:
         with ctx.workprec(bits):
             return {"p": complex_of(p), "lam": acb(lam.ball(bits))}
 
-    return judge.at_point(ends)
+    return judge.at_point(ends, {"p": p})
 
 
 def verify_line(

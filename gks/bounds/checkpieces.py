@@ -9,7 +9,8 @@ from typing import Any
 
 from flint import acb, arb
 
-from gks.bounds.checkcells import CellCheck, CutCheck, Owner
+from gks.bounds.checkcells import CellCheck, Owner
+from gks.bounds.checkcuts import CutCheck
 from gks.bounds.checkformula import Rejected, read
 from gks.bounds.checknumbers import Real, ball_of, complex_of, exact, positive, real_roots, univariate
 from gks.bounds.checkring import polynomial
@@ -22,7 +23,7 @@ AGREE = 2.0**-200
 SHARES = (Fraction(1, 3), Fraction(1, 2), Fraction(5, 7))
 """Places in a cell, besides its sample, at which formulas are evaluated."""
 
-KEYS = {"from", "to", "from_value", "to_value", "bound", "at_bound", "stable_set", "closed_form"}
+KEYS = {"from", "to", "from_value", "to_value", "bound", "at_bound", "at_bound_except", "stable_set", "closed_form"}
 
 
 class _Balls:
@@ -65,22 +66,38 @@ def _single_cut(piece: Mapping[str, Any], cut: CutCheck, owner: Owner) -> None:
 
 def _covered(piece: Mapping[str, Any], cell: int, owner: Owner) -> tuple[int, CutCheck | None]:
     """Holds a piece against its cells, from ``cell`` on; the first cell after it, and the cut it ends at."""
+    start = cell
     while cell < len(owner.cells):
         _stated(piece, owner.cells[cell], owner)
         cell += 1
         if cell == len(owner.cells):
+            _exceptions(piece, owner.cuts[max(start - 1, 0) :], owner)
             return cell, None
         cut = owner.cuts[cell - 1]
         if _is_edge(piece, cut.root, owner):
+            _exceptions(piece, owner.cuts[max(start - 1, 0) : cell], owner)
             return cell, cut
         if cut.spans is not None:
             raise Rejected("a piece passes over a cut with a stable set of its own")
     raise Rejected("the pieces go beyond the cells")
 
 
+def _exceptions(piece: Mapping[str, Any], cuts: Sequence[CutCheck], owner: Owner) -> None:
+    """The exceptions on the bound are the cuts, in the piece and at its ends, that share its formulas and differ."""
+    other = [c for c in cuts if c.spans is None and c.at_bound is not None and c.at_bound != piece["at_bound"]]
+    stated = piece["at_bound_except"]
+    if len(stated) != len(other):
+        raise Rejected("the exceptions on the bound are not those of the cuts")
+    for (text, verdict), cut in zip(stated, other, strict=True):
+        if verdict != cut.at_bound or not _agree(_constant(text, str(owner.parameter)), cut.root.ball()):
+            raise Rejected(f"{text!r} is no exception on the bound that was verified")
+
+
 def verify_single(piece: Mapping[str, Any], spans: Sequence[tuple[Real | None, Real | None]], lam: str) -> None:
     """A piece at one value: its ends are numbers."""
     _shape(piece)
+    if piece["at_bound_except"] != []:
+        raise Rejected("exceptions on the bound of a single value")
     stated = piece["stable_set"]
     if len(stated) != len(spans):
         raise Rejected("the number of stable intervals is not what was verified")

@@ -16,12 +16,13 @@ from itertools import combinations, product
 from flint import acb, ctx, fmpq, fmpz_mpoly, fmpz_poly
 
 from gks.bounds.checkballs import Open, deflated, solved
-from gks.bounds.checkcauchy import cauchy
+from gks.bounds.checkcauchy import cauchy, limit_holds
 from gks.bounds.checkcurves import characteristic, in_z, kreiss
 from gks.bounds.checkderive import Problem
 from gks.bounds.checkformula import Rejected
 from gks.bounds.checknumbers import isolated, roots_of, univariate
-from gks.bounds.checkring import Unsupported, degree, enclose, parts_of, put
+from gks.bounds.checkring import Unsupported, degree, enclose, parts_of
+from gks.bounds.checkzero import specialised, zeros_of_delta
 
 LADDER = (128, 256, 512, 1024, 2048)
 """Working precisions, in bits; a question that the last leaves open rejects the certificate."""
@@ -57,9 +58,9 @@ class Judge:
         for bits in LADDER:
             with ctx.workprec(bits):
                 try:
-                    if not all(cauchy(_at(growth, at)) for growth in self.problem.growth):
+                    if not all(cauchy(specialised(growth, at)) for growth in self.problem.growth):
                         return False
-                    if self.problem.explicit and not self.determines(at):
+                    if not self.determines(_balls(at), at):
                         return False
                     return not any(mode.zero for mode in self._modes(_balls(at), at))
                 except Open:
@@ -72,7 +73,7 @@ class Judge:
         for bits in LADDER:
             with ctx.workprec(bits):
                 try:
-                    return all(cauchy(_at(growth, at)) for growth in self.problem.growth)
+                    return all(cauchy(specialised(growth, at)) for growth in self.problem.growth)
                 except Open:
                     continue
         raise Rejected(f"Cauchy stability at p = {p}, lam = {lam} is not verified")
@@ -87,14 +88,19 @@ class Judge:
             return False
         return any(divmod(lead, wall)[1].is_zero() for lead in leads)
 
-    def determines(self, at: Mapping[str, Fraction]) -> bool:
-        """Whether Delta(oo) is not zero, in the ghost basis: its size is compared far out and further out."""
+    def determines(self, at: Mapping[str, acb], exact: Mapping[str, Fraction]) -> bool:
+        """Whether Delta(oo) is not zero, in the ghost basis: its size is compared far out and further out.
+
+        Where sigma = infinity is not z = infinity, it has to be an inner z.
+        """
+        if not self.problem.explicit:
+            return self._inner_at_infinity(at)
         sizes = []
         for bits in FAR_BITS:
-            ball = {**_balls(at), self.problem.variable: acb(2) ** bits}
+            ball = {**at, self.problem.variable: acb(2) ** bits}
             roots = []
             for family in self.problem.families:
-                found = solved([enclose(c, ball) for c in parts_of(_at(family.whole, at), "x")])
+                found = solved([enclose(c, ball) for c in parts_of(specialised(family.whole, exact), "x")])
                 roots.append([x for x in found if abs(x) < 1])
                 if len(roots[-1]) != family.decaying:
                     raise Open
@@ -103,6 +109,17 @@ class Judge:
             )
             sizes.append(abs(self._delta(roots, ball) / acb(2) ** (bits * scale)))
         return bool(sizes[1] > sizes[0] * 2.0 ** -FAR_BITS[0])
+
+    def _inner_at_infinity(self, at: Mapping[str, acb]) -> bool:
+        """Whether no s tends to infinity here, or the z it is mapped to then are inside the circle; Open otherwise."""
+        assert self.problem.time_map is not None
+        leads = [enclose(parts_of(f, "s")[-1], at) for f in self.own]
+        if all(not lead.contains(0) for lead in leads):
+            return True
+        far = solved([enclose(c, at) for c in parts_of(parts_of(self.problem.time_map, "s")[-1], "z")])
+        if not all(abs(z) < 1 for z in far):
+            raise Open
+        return True
 
     def stable_near(self, p: Fraction, lam: Fraction, place: Callable[[int], acb]) -> bool:
         """At an algebraic parameter value ``place(bits)`` and a rational lam on no curve; ``p`` is a rational value.
@@ -113,7 +130,7 @@ class Judge:
             raise Unsupported("an interior that depends on the parameter, at an irrational value of it")
         if not self.interior(p, lam):
             return False
-        return self._worst(lambda bits: {"p": place(bits), "lam": _balls({"lam": lam})["lam"]}, None) == "stable"
+        return self.at_point(lambda bits: {"p": place(bits), **_balls({"lam": lam})}, {"lam": lam}) == "stable"
 
     def on_curve(self, p: Fraction, lam: Fraction) -> str:
         """The verdict at a rational point, exactly: "stable", "neutral", "generalized" or "unstable"."""
@@ -122,18 +139,25 @@ class Judge:
         at = {"p": p, "lam": lam}
         return self._worst(lambda bits: _balls(at), at)
 
-    def at_point(self, ends: Ends) -> str:
+    def at_point(self, ends: Ends, exact: Mapping[str, Fraction] | None = None) -> str:
         """The verdict of the closure where (p, lam) is given by ``ends(bits)``, balls: "stable", "neutral",
         "generalized".
 
-        "unstable" for a growing mode. The interior is taken to be Cauchy-stable.
+        "unstable" for a growing mode, or where the interior, the limit of Cauchy-stable ones, is not. What holds at
+        algebraic points is told by balls: what they do not tell from the circle counts as on it. ``exact`` is the
+        coordinate that is rational, if one is.
         """
-        return self._worst(ends, None)
+        return self._worst(ends, exact or {})
 
-    def _worst(self, ends: Ends, exact: Mapping[str, Fraction] | None) -> str:
+    def _worst(self, ends: Ends, exact: Mapping[str, Fraction]) -> str:
         for bits in LADDER[1:]:
             with ctx.workprec(bits):
                 try:
+                    growth = () if _whole(exact) else (specialised(g, exact) for g in self.problem.growth)
+                    if not all(limit_holds(g, ends(bits)) for g in growth):
+                        return "unstable"
+                    if not self.determines(ends(bits), exact):
+                        return "unstable"
                     modes = [mode for mode in self._modes(ends(bits), exact) if mode.zero]
                 except Open:
                     continue
@@ -146,14 +170,14 @@ class Judge:
 
     # Closure --------------------------------------------------------------------------------------------------------
 
-    def _modes(self, ball: Mapping[str, acb], exact: Mapping[str, Fraction] | None) -> Iterator[_Mode]:
-        on_circle = None if exact is None else [z for f in self.mapped for z in _unimodular(_at(f, exact))]
+    def _modes(self, ball: Mapping[str, acb], exact: Mapping[str, Fraction]) -> Iterator[_Mode]:
+        on_circle = [z for f in self.mapped for z in _unimodular(specialised(f, exact))] if _whole(exact) else None
         for f in self.own:
             for sigma in _roots(f, self.problem.variable, ball, exact):
                 for z in self._images(sigma, ball):
                     place = _place(z, on_circle)
                     if place >= 0:
-                        yield self._mode({**ball, self.problem.variable: sigma, "z": z}, place == 0, exact or {})
+                        yield self._mode({**ball, self.problem.variable: sigma, "z": z}, place == 0, exact)
 
     def _images(self, sigma: acb, ball: Mapping[str, acb]) -> list[acb]:
         if self.problem.time_map is None:
@@ -168,7 +192,7 @@ class Judge:
         chosen, limiting = [], False
         others: list[list[list[acb]]] = []
         for family in self.problem.families:
-            whole, part = (_at(each, exact) for each in (family.whole, family.part))
+            whole, part = (specialised(each, exact) for each in (family.whole, family.part))
             roots, double = _with_double(whole, at)
             inside = [x for x in roots if abs(x) < 1]
             straddling = [x for x in roots if not abs(x) < 1 and not abs(x) > 1]
@@ -191,8 +215,32 @@ class Judge:
         for choice in product(*others):
             same = all({id(x) for x in a} == {id(x) for x in b} for a, b in zip(choice, chosen, strict=True))
             if not same and self._delta(choice, at).contains(0):
-                raise Open  # another choice of spatial roots may be the one that makes the norm vanish
+                self._all_zero(at, exact)  # else another choice may be the one that makes the norm vanish
+                break
         return _Mode(on_circle, True, limiting and self._limit_needed(chosen, at))
+
+    def _all_zero(self, at: Mapping[str, acb], exact: Mapping[str, Fraction]) -> None:
+        """Open unless every choice of spatial roots whose Delta holds 0, at any conjugate of sigma, has Delta = 0."""
+        name = self.problem.variable
+        found = (
+            [g for f in self.own for g, _ in univariate(specialised(f, exact), name).factor()[1]]
+            if _whole(exact)
+            else []
+        )
+        mine = [g for g in found if any(root.overlaps(at[name]) for root in roots_of(g))]
+        if len({str(g) for g in mine}) != 1:
+            raise Open
+        count = 0
+        for sigma in roots_of(mine[0]):
+            here = {**at, name: sigma, **({"z": sigma} if name == "z" else {})}
+            sheets = [
+                [list(c) for c in combinations(solved([enclose(c, here) for c in parts_of(part, "x")]), f.decaying)]
+                for f in self.problem.families
+                for part in [specialised(f.part, exact)]
+            ]
+            count += sum(self._delta(choice, here).contains(0) for choice in product(*sheets))
+        if count != zeros_of_delta(self.problem, mine[0], exact):
+            raise Open
 
     def _delta(self, roots: Sequence[Sequence[acb]], at: Mapping[str, acb]) -> acb:
         return _ball_determinant(self._matrix(roots, at))
@@ -224,25 +272,26 @@ class Judge:
         return bool(rate < 0)
 
 
-def _at(polynomial: fmpz_mpoly, values: Mapping[str, Fraction]) -> fmpz_mpoly:
-    for name, value in values.items():
-        polynomial = put(polynomial, name, value)
-    return polynomial
-
-
 def _balls(values: Mapping[str, Fraction]) -> dict[str, acb]:
     return {name: acb(fmpq(v.numerator, v.denominator)) for name, v in values.items()}
 
 
-def _roots(f: fmpz_mpoly, name: str, ball: Mapping[str, acb], exact: Mapping[str, Fraction] | None) -> list[acb]:
+def _whole(exact: Mapping[str, Fraction]) -> bool:
+    """Whether a point is rational, in both its coordinates."""
+    return len(exact) == 2
+
+
+def _roots(f: fmpz_mpoly, name: str, ball: Mapping[str, acb], exact: Mapping[str, Fraction]) -> list[acb]:
     """The distinct roots, in disjoint balls."""
-    if exact is None:
-        parts = [enclose(c, ball) for c in parts_of(f, name)]
+    if not _whole(exact):
+        parts = [enclose(c, ball) for c in parts_of(specialised(f, exact), name)]
+        while len(parts) > 1 and parts[-1].contains(0):
+            parts.pop()  # a root may be at infinity here, of which `determines` speaks
         try:
             return solved(parts)
         except Open:
             return [root for found in deflated(parts) for root in found]
-    poly = univariate(_at(f, exact), name)
+    poly = univariate(specialised(f, exact), name)
     return isolated(poly)
 
 

@@ -13,8 +13,8 @@ from fractions import Fraction
 from time import perf_counter
 from typing import TYPE_CHECKING, cast
 
-from gks.bounds.cfl import Limit
-from gks.bounds.point import DOUBLE_ERROR, CurvePoint, Number, Tier, flagged, number, point_at, weakest
+from gks.bounds.point import CurvePoint, Number, Tier, flagged, point_at
+from gks.bounds.points import Columns, Points, lam_max_of, rows_of, tier_of, undecided, values_of
 from gks.bounds.sweep import Point, Sweep
 from gks.bounds.timelimit import OverTime, limited
 from gks.errors import InputError, ParameterError, quoted
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from gks.bounds.batch import BatchSet
+    from gks.bounds.batch import Batch
 
 Progress = Callable[[int, int], None]
 
@@ -59,7 +59,7 @@ class Curve:
     @property
     def tier(self) -> Tier:
         """The weakest among the points that are resolved: how all of them are known at least."""
-        return weakest(self.points)
+        return tier_of(self.points)
 
     def json_text(self) -> str:
         return json.dumps(self.to_json(), allow_nan=False)
@@ -70,7 +70,7 @@ class Curve:
         """
         head = [self.sweep.name] if self.sweep else []
         rows = [",".join([*head, "lam_max", "limited_by", "error_bound"])]
-        for value, lam, limit, _, error, *_ in self.points:
+        for value, lam, limit, error in rows_of(self.points):
             first = f"{value}," if head else ""
             top = "" if lam is None else "inf" if lam == "oo" else lam
             rows.append(f"{first}{top},{limit or ''},{error}")
@@ -79,12 +79,12 @@ class Curve:
     @property
     def values(self) -> NDArray[np.float64]:
         """The swept parameter, as doubles (nan where there is none)."""
-        return to_array(point.value for point in self.points)
+        return values_of(self.points)
 
     @property
     def lam_max(self) -> NDArray[np.float64]:
         """lam_max as doubles: inf where unbounded, nan where undecided."""
-        return to_array(point.lam_max for point in self.points)
+        return lam_max_of(self.points)
 
     def __str__(self) -> str:
         lines = [self.scheme.title]
@@ -103,7 +103,7 @@ class Curve:
             else [*self.points[: SHOWN // 2], None, *self.points[-SHOWN // 2 :]]
         )
         lines += [self._line(point) if point is not None else "  ..." for point in shown]
-        open_points = sum(not point.resolved for point in self.points)
+        open_points = undecided(self.points)
         tail = f", {open_points} undecided" if open_points else ""
         time = "" if self.time_s is None else f", {self.time_s:.3g} s"
         lines.append(f"  ({len(self.points)} point{'s' * (len(self.points) != 1)}{tail}{time})")
@@ -120,13 +120,6 @@ class Curve:
 def shown_number(value: Number | None) -> str:
     """A number for people: 15 digits, nothing where there is none."""
     return "" if value is None else value if isinstance(value, str) else f"{value:.15g}"
-
-
-def to_array(numbers: Iterable[Number | None]) -> NDArray[np.float64]:
-    """Doubles: inf where unbounded, nan where there is no number."""
-    import numpy as np
-
-    return np.array([np.nan if n is None else float("inf") if n == "oo" else float(n) for n in numbers])
 
 
 SHOWN = 24
@@ -183,7 +176,7 @@ def sweep_points(
     limit: float | None = None,
     certify: bool = False,
     samples: Sequence[Point] | None = None,
-) -> tuple[list[CurvePoint], list[InputError]]:
+) -> tuple[Sequence[CurvePoint], list[InputError]]:
     """The points of a sweep or of a piece of one, and the faults at those where there is no scheme.
 
     A function of its arguments alone, which all pickle: a piece of two points or more with the whole sweep's
@@ -191,30 +184,28 @@ def sweep_points(
     (`gks.campaigns.sweeps`) may compute pieces anywhere.
     """
     faults: list[InputError] = []
-    points: list[CurvePoint] = []
-    total = len(over.values)
-    at = _samples(over.values) if samples is None else samples
+    blocks: list[Sequence[CurvePoint]] = []
+    total, done = len(over.values), 0
+    batched = _batched(scheme, values, over, samples) if total > 1 else None
     for start in range(0, total, BLOCK):
         block = over.values[start : start + BLOCK]
-        found = _batch(scheme, values, over.name, block, at) if total > 1 else None
-        known = [None] * len(block) if found is None else list(_batched_points(block, found))
-        left = [value for value, point in zip(block, known, strict=True) if point is None]
-        rest = one_by_one(scheme, values, over.name, left, limit=limit, certify=certify)
-        for value, point in zip(block, known, strict=True):
-            one = next(rest) if point is None else point
+        found = None if batched is None else batched.at(block)
+        open_ = range(len(block)) if found is None else found.open_points()
+        done += len(block) - len(open_)
+        left = [block[k] for k in open_]
+        others: list[CurvePoint] = []
+        for value, one in zip(left, one_by_one(scheme, values, over.name, left, limit=limit, certify=certify), strict=True):
             if isinstance(one, InputError):
                 faults.append(one)
                 one = flagged(value, str(one))
-            points.append(one)
-            if progress is not None and (point is None or len(points) % STRIDE == 0):
-                progress(len(points), total)
-        if progress is not None:
-            progress(len(points), total)
-    return points, faults
-
-
-STRIDE = 1000
-"""Points of the batched route between two reports of progress."""
+            others.append(one)
+            done += 1
+            if progress is not None:
+                progress(done, total)
+        blocks.append(others if found is None else Columns(block, found, dict(zip(open_, others, strict=True))))
+        if progress is not None and not left:
+            progress(done, total)
+    return Points(tuple(blocks)), faults
 
 
 def one_by_one(
@@ -270,37 +261,9 @@ def _one(
         return fault
 
 
-def _samples(points: Sequence[Point]) -> Sequence[Point]:
-    from gks.bounds.batch import samples
+def _batched(
+    scheme: Scheme, values: Mapping[str, Fraction], over: Sweep, at: Sequence[Point] | None
+) -> Batch | None:
+    from gks.bounds.batch import prepared, samples
 
-    return samples(points)
-
-
-def _batch(
-    scheme: Scheme, values: Mapping[str, Fraction], name: str, block: Sequence[Point], at: Sequence[Point]
-) -> BatchSet | None:
-    from gks.bounds.batch import batch
-
-    return batch(scheme, values, name, block, at)
-
-
-def _batched_points(block: Sequence[Point], found: BatchSet) -> Iterator[CurvePoint | None]:
-    """Those that the batch resolved; None for the others."""
-    stable = found.stable
-    errors = stable.error().tolist()
-    lows, highs, counts = stable.lo.tolist(), stable.hi.tolist(), stable.count.tolist()
-    for value, good, low, high, count, error, limit in zip(
-        block, stable.resolved.tolist(), lows, highs, counts, errors, found.interior_limit.tolist(), strict=True
-    ):
-        if not good:
-            yield None
-            continue
-        spans = tuple((low[j], "oo" if high[j] == INFINITE else high[j]) for j in range(count))
-        first = high[0] if count and low[0] == 0 else 0.0
-        by: Limit | None = None if first == INFINITE else "interior" if first == limit else "closure"
-        top = "oo" if first == INFINITE else first
-        bound = error + DOUBLE_ERROR if error else 0.0
-        yield CurvePoint(number(value), top, by, spans, bound, True, "", "certified")
-
-
-INFINITE = float("inf")
+    return prepared(scheme, values, over.name, samples(over.values) if at is None else at)

@@ -9,8 +9,9 @@ from fractions import Fraction
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-from gks.bounds.curve import Progress, check_sweep, shown_number, sweep_points, to_array
+from gks.bounds.curve import Progress, check_sweep, shown_number, sweep_points
 from gks.bounds.point import CurvePoint, Number, Tier, number, weakest
+from gks.bounds.points import lam_max_of
 from gks.bounds.sweep import MAX_POINTS, Sweep
 from gks.errors import InputError, ParameterError, quoted
 from gks.scheme.model import Scheme
@@ -46,7 +47,7 @@ class CurveMap:
         """lam_max as doubles, a row for each value of the first parameter: inf where unbounded, nan where undecided."""
         import numpy as np
 
-        return np.stack([to_array(point.lam_max for point in row) for row in self.rows])
+        return np.stack([lam_max_of(row) for row in self.rows])
 
     @property
     def tier(self) -> Tier:
@@ -108,7 +109,7 @@ def curve_map(
     """The map over two sweeps; points are flagged and faults raised as by `curve`."""
     start = perf_counter()
     first, second = checked_pair(scheme, sweeps)
-    rows: list[list[CurvePoint]] = []
+    rows: list[Sequence[CurvePoint]] = []
     faults: list[InputError] = []
     across, down = len(second.values), len(first.values)
     for k, value in enumerate(first.values):

@@ -10,11 +10,11 @@ from flint import fmpz_mpoly
 
 from gks.bounds.asymptotics import leading_term
 from gks.bounds.boundary import PLANE
-from gks.bounds.cells import Branch, Cell, Cut, Decomposition, End, Span, value_of
 from gks.bounds.cfl import StableSet
 from gks.bounds.closedform import closed_form, number_form
 from gks.bounds.criticality import ascending_roots
 from gks.bounds.formulalatex import latex
+from gks.bounds.region import Branch, Cell, Cut, Decomposition, End, Span, value_of
 from gks.bounds.theorem import INFINITE, Cellwise, Edge, Formula, Number, Piece
 from gks.modes.algebraic import Root, isolated_roots, primitive, reflected
 from gks.modes.fibre import embed
@@ -105,18 +105,20 @@ class _Writer:
         first = Edge("-oo", r"-\infty", "-oo", False) if low is None else self._edge(Root.of(low), False)
         last = Edge(INFINITE, r"\infty", INFINITE, False) if high is None else self._edge(Root.of(high), False)
         pieces: list[Piece] = []
-        group = [described[0]]
+        group, shared = [described[0]], list[Cut]()
         start = first
         for cut, following in zip(self.found.cuts, described[1:], strict=True):
-            if cut.spans is None and following.key == group[0].key:
+            own = cut.spans is not None
+            shared += [] if own else [cut]
+            if not own and following.key == group[0].key:
                 group.append(following)
                 continue
-            edge = self._edge(cut.root, cut.spans is None)
-            pieces.append(self._piece(group, start, edge))
-            if cut.spans is not None:
+            edge = self._edge(cut.root, not own)
+            pieces.append(self._piece(group, start, edge, shared))
+            if own:
                 pieces.append(self._point(cut, edge))
-            start, group = edge, [following]
-        pieces.append(self._piece(group, start, last))
+            start, group, shared = edge, [following], [] if own else [cut]
+        pieces.append(self._piece(group, start, last, shared))
         return tuple(pieces)
 
     def _described(self, cell: Cell) -> _Described:
@@ -135,7 +137,8 @@ class _Writer:
         text = f"root({polynomial_text(curve, self.names, 'lam')}, {end.k})"
         return Formula(text, _root_latex(curve, self.names, end.k), False, terms)
 
-    def _piece(self, group: Sequence[_Described], start: Edge, end: Edge) -> Piece:
+    def _piece(self, group: Sequence[_Described], start: Edge, end: Edge, shared: Sequence[Cut]) -> Piece:
+        """``shared``: the cuts in it and at its ends where its formulas hold."""
         first = group[0]
         cells = []
         for each in group:
@@ -145,7 +148,12 @@ class _Writer:
             cells.append(Cellwise(*edges, top.k if isinstance(top, Branch) else 0))
         bound = _bound(first.spans)
         at_bound = first.cell.at_bound
-        return Piece(start, end, bound, None if at_bound is None else at_bound.value, first.spans, tuple(cells))
+        other = tuple(
+            (self._edge(cut.root, True), cut.at_bound.value)
+            for cut in shared
+            if cut.at_bound is not None and cut.at_bound is not at_bound
+        )
+        return Piece(start, end, bound, None if at_bound is None else at_bound.value, first.spans, tuple(cells), other)
 
     def _point(self, cut: Cut, edge: Edge) -> Piece:
         assert cut.spans is not None
@@ -182,7 +190,7 @@ class _Writer:
         return Edge(text, sign + _root_latex(curve, names, k), value, included)
 
     def limits(self, low: Fraction | None, high: Fraction | None) -> tuple[tuple[str, str], ...]:
-        """What the bound tends to at an end of the axis that is 0 or infinite."""
+        """What the bound tends to at an end of the domain that is 0 or infinite."""
         left = "0" if low == 0 else "-oo" if low is None else None
         right = "0" if high == 0 else "oo" if high is None else None
         name, lam = latex_name(self.parameter), latex_name(self.lam)

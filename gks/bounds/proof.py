@@ -8,16 +8,20 @@ instead.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from time import perf_counter
 
 from gks.bounds import subprocessing
-from gks.bounds.cells import NotProved, decompose, verdict_at
+from gks.bounds.cells import decompose
 from gks.bounds.certificate import certificate, constant_certificate
 from gks.bounds.cfl import stable_set
-from gks.bounds.curve import Curve, CurvePoint, curve
+from gks.bounds.check import check
+from gks.bounds.curve import Curve, curve
 from gks.bounds.pieces import constant_piece, limits, pieces
+from gks.bounds.point import CurvePoint
+from gks.bounds.pointverdict import NotProved, verdict_at
+from gks.bounds.region import Decomposition
 from gks.bounds.sweep import of_values
 from gks.bounds.theorem import Theorem
 from gks.errors import InputError, NotAnalysable
@@ -69,29 +73,58 @@ def _proved(
 
 
 def _prove_job(scheme: Scheme, values: Mapping[str, Fraction], report: Report) -> Theorem:
-    return prove_here(scheme, values, report)
+    return checked_region(scheme, values, report).theorem
+
+
+def checked_region(scheme: Scheme, values: Mapping[str, Fraction], report: Report = lambda stage: None) -> Region:
+    """A theorem is said to be proved only with a certificate that the independent checker accepts."""
+    start = perf_counter()
+    found = _region(scheme, values, report)
+    theorem = found.theorem
+    if not theorem.proved:
+        return found
+    report("check of the certificate")
+    problem = check(theorem.certificate).problem
+    if problem is None:
+        return replace(found, theorem=replace(theorem, time_s=perf_counter() - start))
+    reason = f"the certificate is not accepted by the check: {problem}"
+    return Region(_open(scheme, theorem.parameter, reason, start), None)
 
 
 def prove_here(scheme: Scheme, values: Mapping[str, Fraction], report: Report) -> Theorem:
-    """``prove`` in this process, without a limit, and without a curve where nothing is proved."""
+    """``prove`` in this process: without a limit, a check, or a curve where nothing is proved."""
+    return _region(scheme, values, report).theorem
+
+
+@dataclass(frozen=True, slots=True)
+class Region:
+    """A theorem with the cells it was read off: None where it has no parameter, or is not proved."""
+
+    theorem: Theorem
+    cells: Decomposition | None
+
+    def to_json(self) -> Mapping[str, object]:
+        return self.theorem.to_json()
+
+
+def _region(scheme: Scheme, values: Mapping[str, Fraction], report: Report) -> Region:
     start = perf_counter()
     free = _free(scheme, values)
     if len(free) > 1:
         names = ", ".join(p.name for p in free)
-        return _open(
-            scheme, None, f"{len(free)} parameters are free ({names}) and a theorem has one; set the others", start
-        )
+        reason = f"{len(free)} parameters are free ({names}) and a theorem has one; set the others"
+        return Region(_open(scheme, None, reason, start), None)
     fixed = scheme.values(values, free=[p.name for p in free])
     name = free[0].name if free else None
     try:
-        theorem = _over_parameter(scheme, fixed, free[0], report) if free else _constant(scheme, fixed)
-    except (NotProved, Undecided) as reason:
-        return _open(scheme, name, str(reason), start)
-    except NotAnalysable as reason:
-        return _open(scheme, name, reason.message, start)
+        found = _over_parameter(scheme, fixed, free[0], report) if free else Region(_constant(scheme, fixed), None)
+    except (NotProved, Undecided) as why:
+        return Region(_open(scheme, name, str(why), start), None)
+    except NotAnalysable as why:
+        return Region(_open(scheme, name, why.message, start), None)
     except VanishesIdentically:
-        return _open(scheme, name, "a boundary polynomial vanishes identically", start)
-    return replace(theorem, time_s=perf_counter() - start)
+        return Region(_open(scheme, name, "a boundary polynomial vanishes identically", start), None)
+    return replace(found, theorem=replace(found.theorem, time_s=perf_counter() - start))
 
 
 def _free(scheme: Scheme, values: Mapping[str, Fraction]) -> list[Parameter]:
@@ -102,32 +135,20 @@ def _open(scheme: Scheme, parameter: str | None, reason: str, start: float) -> T
     return Theorem(scheme, parameter, (), (), {}, reason, None, perf_counter() - start)
 
 
-def _over_parameter(scheme: Scheme, fixed: Mapping[str, Fraction], parameter: Parameter, report: Report) -> Theorem:
-    """Over the domain; if the scheme says nothing there beyond the parameter's own range, over the range."""
-    low, high = domain_of(parameter)
-    try:
-        found = decompose(scheme, fixed, parameter.name, low, high, report)
-    except (InputError, NotProved):
-        if (low, high) == (parameter.low, parameter.high):
-            raise
-        low, high = parameter.low, parameter.high
-        found = decompose(scheme, fixed, parameter.name, low, high, report)
+def _over_parameter(scheme: Scheme, fixed: Mapping[str, Fraction], parameter: Parameter, report: Report) -> Region:
+    """Over the parameter's range, open and exact."""
+    low, high = parameter.low, parameter.high
+    found = decompose(scheme, fixed, parameter.name, low, high, report)
     report("formulas")
     words = found, parameter.name, scheme.cfl, low, high
-    theorem = Theorem(scheme, parameter.name, pieces(*words), limits(*words), {}, None, None, 0.0)
-    return replace(theorem, certificate=certificate(theorem, found, fixed, low, high))
+    stated = pieces(*words), limits(*words)
+    theorem = Theorem(scheme, parameter.name, *stated, {}, None, None, 0.0, _others(scheme, fixed))
+    return Region(replace(theorem, certificate=certificate(theorem, found, fixed, low, high)), found)
 
 
-def domain_of(parameter: Parameter) -> tuple[Fraction | None, Fraction | None]:
-    """The interval a theorem is about; None is infinite.
-
-    The parameter's range; but a range with two positive finite ends is a window on a positive quantity, like that of a
-    plot, and the theorem is then about the whole of (0, oo), in which it lies.
-    """
-    low, high = parameter.low, parameter.high
-    if low is not None and high is not None and low > 0:
-        return Fraction(0), None
-    return low, high
+def _others(scheme: Scheme, fixed: Mapping[str, Fraction]) -> dict[str, Fraction]:
+    """The values of all parameters but lam."""
+    return {name: value for name, value in fixed.items() if name != scheme.cfl}
 
 
 def _constant(scheme: Scheme, fixed: Mapping[str, Fraction]) -> Theorem:
@@ -138,7 +159,7 @@ def _constant(scheme: Scheme, fixed: Mapping[str, Fraction]) -> Theorem:
     top = found.lam_max
     at_bound = None if top is None or top.is_zero else verdict_at(scheme, {**fixed, scheme.cfl: top})
     piece = constant_piece(found, at_bound, scheme.cfl)
-    theorem = Theorem(scheme, None, (piece,), (), {}, None, None, 0.0)
+    theorem = Theorem(scheme, None, (piece,), (), {}, None, None, 0.0, _others(scheme, fixed))
     return replace(theorem, certificate=constant_certificate(theorem, found, fixed))
 
 

@@ -68,6 +68,12 @@ def inside(parameter: Parameter, value: Fraction) -> bool:
     return (parameter.low is None or parameter.low < value) and (parameter.high is None or value < parameter.high)
 
 
+def interval_text(parameter: Parameter) -> str:
+    """The open range as text, (0, oo)."""
+    low = "-oo" if parameter.low is None else str(parameter.low)
+    return f"({low}, {'oo' if parameter.high is None else parameter.high})"
+
+
 def _spread(parameter: Parameter) -> list[Fraction]:
     """SPREAD values in the open range, evenly spaced in the logarithm on each side of 0."""
     low, high = parameter.low, parameter.high

@@ -27,47 +27,75 @@ _CHUNK = 1 << 16
 Job = Callable[..., object]
 
 
-def messages(job: Job, arguments: Sequence[object], limit: float | None) -> Iterator[object]:
+def messages(
+    job: Job, arguments: Sequence[object], limit: float | None, *, renewed: bool = False
+) -> Iterator[object]:
     """What ``job(*arguments, report)`` reports, and last what it returns (None is not sent).
 
     ``job`` is a function of a module; a GksError that it raises is raised here. The stream just ends when ``limit``
-    seconds are over. RuntimeError where the child dies of something else. The child is gone when the generator is
-    left, however that is.
+    seconds are over, counted anew from every message where ``renewed``. RuntimeError where the child dies of something
+    else. The child is gone when the generator is left, however that is.
     """
-    deadline = None if limit is None else monotonic() + limit
+    clock = Clock(limit, renewed)
     with _started() as child:
         assert child.stdin is not None and child.stdout is not None
         try:
-            _send(child.stdin, (job.__module__, job.__qualname__, tuple(arguments)))
-            for kind, content in _received(child.stdout, deadline):
+            send(child.stdin, (job.__module__, job.__qualname__, tuple(arguments)))
+            for kind, content in received(child.stdout.fileno(), clock):
                 if kind == "error":
                     raise content
                 if kind == "end":
                     return
                 yield content
-            if deadline is None or monotonic() < deadline:
+            if not clock.over:
                 raise RuntimeError(f"the process of a long computation ended with status {child.wait()}")
         finally:
             child.kill()
 
 
+def environment() -> dict[str, str]:
+    """This process's environment, with its import path: what a fresh interpreter needs to import the same program."""
+    return {**os.environ, "PYTHONPATH": os.pathsep.join(p or os.getcwd() for p in sys.path)}
+
+
 def _started() -> subprocess.Popen[bytes]:
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(p or os.getcwd() for p in sys.path)}
     return subprocess.Popen(
         [sys.executable, "-c", "from gks.bounds.subprocessing import child; child()"],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
-        env=environment,
+        env=environment(),
         start_new_session=True,  # Ctrl-C is for the parent, which then ends the child
     )
 
 
-def _received(stream: IO[bytes], deadline: float | None) -> Iterator[tuple[str, Any]]:
-    """Whole messages until the deadline or the end of the stream."""
-    descriptor = stream.fileno()
+class Clock:
+    """Seconds that run down, from every message anew where ``renewed``."""
+
+    def __init__(self, limit: float | None, renewed: bool) -> None:
+        self.limit, self.renewed = limit, renewed
+        self._deadline = None if limit is None else monotonic() + limit
+
+    def message(self) -> None:
+        """Tells that one came."""
+        if self.renewed and self.limit is not None:
+            self._deadline = monotonic() + self.limit
+
+    @property
+    def left(self) -> float | None:
+        """Seconds; None without a limit."""
+        return None if self._deadline is None else self._deadline - monotonic()
+
+    @property
+    def over(self) -> bool:
+        """Whether they have run down."""
+        return self._deadline is not None and monotonic() >= self._deadline
+
+
+def received(descriptor: int, clock: Clock) -> Iterator[tuple[str, Any]]:
+    """Whole messages until the clock has run down or the stream ends."""
     waiting = b""
     while True:
-        left = None if deadline is None else deadline - monotonic()
+        left = clock.left
         if left is not None and left <= 0:
             return
         if not select.select([descriptor], [], [], left)[0]:
@@ -77,11 +105,13 @@ def _received(stream: IO[bytes], deadline: float | None) -> Iterator[tuple[str, 
             return
         waiting += part
         while len(waiting) >= _HEAD.size and len(waiting) >= _HEAD.size + (size := _HEAD.unpack_from(waiting)[0]):
+            clock.message()
             yield pickle.loads(waiting[_HEAD.size : _HEAD.size + size])
             waiting = waiting[_HEAD.size + size :]
 
 
-def _send(stream: IO[bytes], content: object) -> None:
+def send(stream: IO[bytes], content: object) -> None:
+    """One message, after its length."""
     data = pickle.dumps(content)
     stream.write(_HEAD.pack(len(data)) + data)
     stream.flush()
@@ -95,13 +125,13 @@ def child() -> None:
     threading.Thread(target=_end_with, args=(source,), daemon=True).start()
     job = getattr(__import__(module, fromlist=[name]), name)
     try:
-        result = job(*arguments, lambda message: _send(target, ("message", message)))
+        result = job(*arguments, lambda message: send(target, ("message", message)))
     except GksError as error:
-        _send(target, ("error", error))
+        send(target, ("error", error))
         return
     if result is not None:
-        _send(target, ("message", result))
-    _send(target, ("end", None))
+        send(target, ("message", result))
+    send(target, ("end", None))
 
 
 def _end_with(stream: IO[bytes]) -> None:

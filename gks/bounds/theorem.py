@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from gks.modes.printing import latex_name
@@ -23,6 +24,9 @@ Number = float | str
 """As in JSON: a double, a decimal string beyond the doubles, "oo" or "-oo"."""
 
 INFINITE = "oo"
+
+WIDEST = 120
+"""Characters of a stable set up to which the conditions beside it are aligned."""
 
 SHORT = 40
 """Characters of a bound that a statement repeats to say what happens on it."""
@@ -66,8 +70,9 @@ class Edge:
 class Piece:
     """An interval of the parameter, or a single value where both edges are the same.
 
-    ``at_bound`` is the verdict at lam = bound, decided at a sample; None for a bound of 0 or infinity. ``start`` and
-    ``end`` are None where there is no parameter.
+    ``at_bound`` is the verdict at lam = bound, decided at a sample of every cell; None for a bound of 0 or infinity.
+    ``exceptions`` are the values of the parameter, between cells and at included ends, with another verdict there.
+    ``start`` and ``end`` are None where there is no parameter.
     """
 
     start: Edge | None
@@ -76,6 +81,7 @@ class Piece:
     at_bound: str | None
     stable_set: tuple[tuple[Formula, Formula], ...]
     cells: tuple[Cellwise, ...] = ()
+    exceptions: tuple[tuple[Edge, str], ...] = ()
 
     @property
     def is_point(self) -> bool:
@@ -93,6 +99,7 @@ class Piece:
             "to_value": None if self.end is None else self.end.value,
             "bound": self.bound.text,
             "at_bound": self.at_bound,
+            "at_bound_except": [[edge.text, verdict] for edge, verdict in self.exceptions],
             "stable_set": [[low.text, high.text] for low, high in self.stable_set],
             "closed_form": self.closed_form,
         }
@@ -103,6 +110,7 @@ class Theorem:
     """The stable region of a scheme over one parameter, or why it is not proved, with the certified curve instead.
 
     ``limits`` are pairs of an end of the parameter axis and what the bound tends to there, as text and as LaTeX.
+    ``fixed`` are the values of the other parameters.
     """
 
     scheme: Scheme
@@ -113,6 +121,7 @@ class Theorem:
     reason: str | None
     curve: Curve | None
     time_s: float = field(compare=False)
+    fixed: Mapping[str, Fraction] = field(default_factory=dict)
 
     @property
     def proved(self) -> bool:
@@ -127,10 +136,12 @@ class Theorem:
         if not self.proved:
             return f"Not proved: {self.reason}."
         lam = self.scheme.cfl
-        lines = [f"{self.scheme.title}: stable exactly for"]
+        at = ", ".join(f"{name} = {value}" for name, value in self.fixed.items())
+        lines = [f"{self.scheme.title}{f', {at}' if at else ''}: stable exactly for"]
         shown = _joined(self.pieces)
-        rows = [(_sets(piece, lam), _where(piece, self.parameter), _on_bound(piece, lam)) for piece in shown]
-        width = max(len(row[0]) for row in rows)
+        name = self.parameter
+        rows = [(_sets(piece, lam), _where(piece, name), _on_bound(piece, lam, name)) for piece in shown]
+        width = max((len(row[0]) for row in rows if len(row[0]) <= WIDEST), default=0)
         for what, where, bound in rows:
             line = f"  {what:<{width}}  if {where}" if where else f"  {what}"
             lines.append(f"{line}; {bound}" if bound else line)
@@ -145,7 +156,8 @@ class Theorem:
         rows = []
         for piece in _joined(self.pieces):
             where = _where_latex(piece, self.parameter)
-            rows.append(_sets_latex(piece, lam) + (rf", & {where}" if where else ""))
+            bound = _on_bound_latex(piece, self.parameter)
+            rows.append(" & ".join([_sets_latex(piece, lam) + ",", *filter(None, [where, bound])]))
         body = r"\begin{cases} " + r" \\ ".join(rows) + r" \end{cases}"
         tails = "".join(rf", \quad {latex}" for _, latex in self.limits)
         return rf"\text{{stable}} \iff {body}{tails}"
@@ -210,7 +222,7 @@ def _evaluated(piece: Piece, k: int, points: NDArray[np.float64]) -> NDArray[np.
 
 
 def _joined(pieces: Sequence[Piece]) -> list[Piece]:
-    """The pieces as they are stated: a single value joins a neighbour that has the same answer."""
+    """The pieces as they are stated: neighbours with the same answer are one where the value between has it too."""
     shown: list[Piece] = []
     for piece in pieces:
         last = shown[-1] if shown else None
@@ -220,6 +232,10 @@ def _joined(pieces: Sequence[Piece]) -> list[Piece]:
                 continue
             if piece.is_point:
                 shown[-1] = replace(last, end=replace(last.end, included=True))
+                continue
+            if last.end.included:
+                others = tuple(dict.fromkeys((*last.exceptions, *piece.exceptions)))
+                shown[-1] = replace(last, end=piece.end, cells=(), exceptions=others)
                 continue
         shown.append(piece)
     return shown
@@ -248,11 +264,33 @@ def _where(piece: Piece, name: str | None) -> str:
     return f"{low}{name}{high}"
 
 
-def _on_bound(piece: Piece, lam: str) -> str:
+def _on_bound(piece: Piece, lam: str, name: str | None) -> str:
     if piece.at_bound is None:
         return ""
     place = f"at {lam} = {piece.bound.text}" if len(piece.bound.text) <= SHORT else "on the bound"
-    return f"{place}: {piece.at_bound}"
+    others = [
+        f"{verdict} at {name} = {' and '.join(edge.text for edge in edges)}"
+        for verdict, edges in _exceptions(piece).items()
+    ]
+    return f"{place}: {', '.join([piece.at_bound, *others])}"
+
+
+def _exceptions(piece: Piece) -> dict[str, list[Edge]]:
+    """The exceptions of a piece by their verdict."""
+    found: dict[str, list[Edge]] = {}
+    for edge, verdict in piece.exceptions:
+        found.setdefault(verdict, []).append(edge)
+    return found
+
+
+def _on_bound_latex(piece: Piece, name: str | None) -> str:
+    if piece.at_bound is None:
+        return ""
+    others = [
+        rf"	ext{{{verdict} at }} {latex_name(name or '')} = {r' 	ext{ and } '.join(edge.latex for edge in edges)}"
+        for verdict, edges in _exceptions(piece).items()
+    ]
+    return r",\; ".join([rf"	ext{{on the bound {piece.at_bound}}}", *others])
 
 
 def _sets_latex(piece: Piece, lam: str) -> str:

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from gks.bounds.audit import Audit, Held, audit, audit_catalogue
 from gks.bounds.cfl import stable_set
 from gks.bounds.finding import Status
+from gks.bounds.proof import checked_region
 from gks.bounds.samples import open_parameters, samples
 from gks.catalogue import find
 from gks.errors import NotAnalysable
@@ -72,7 +73,20 @@ def test_a_right_bound_holds_over_the_whole_range(scheme: Scheme, bound: str) ->
     assert held.status is Status.HOLDS
     assert held.finding.counterexample is None
     assert held.finding.evidence["values_undecided"] == 0
-    assert held.finding.evidence["over"] == {"alpha": ["1/10000", "10000"]}
+    assert held.finding.evidence["over"] == {"alpha": ["0", "oo"]}
+    assert held.finding.evidence["route"] == "exact stable sets"
+
+
+@pytest.mark.parametrize(
+    ("scheme", "bound"),
+    [(FIRST, "min(1, 4/(1 + alpha))"), (SECOND, NESTED.format("")), (find("weighted-1"), "1")],
+)
+def test_with_a_theorem_a_right_bound_holds_for_every_value(scheme: Scheme, bound: str) -> None:
+    text = scheme.text.partition("[[claims]]")[0] + f'\n[[claims]]\nsource = "a test"\nbound = "{bound}"\n'
+    (held,) = audit(parse_scheme(text, "claims.toml"), prover=checked_region).held
+    assert held.status is Status.HOLDS
+    assert held.finding.derived == "lam_max equals the claim for every alpha in (0, oo): proved"
+    assert held.finding.evidence["route"] == "theorem"
 
 
 @pytest.mark.parametrize(
@@ -293,7 +307,7 @@ def test_a_claim_is_held_on_both_sides_of_where_its_formula_switches() -> None:
     assert Fraction(3) in values
     assert any(3 - Fraction(1, 100) < value < 3 for value in values)
     assert any(3 < value < 3 + Fraction(1, 100) for value in values)
-    assert all(Fraction(1, 10**4) < value < 10**4 for value in values)
+    assert all(Fraction(1, 10**6) < value < 10**6 for value in values)
 
 
 def test_a_parameter_that_the_formula_names_is_open_though_it_has_no_range() -> None:

@@ -20,7 +20,16 @@ from gks.catalogue import find
 from gks.scheme.schemefile import parse_scheme
 from tests.bounds.theorem_schemes import LEAPFROG_OUTFLOW, interface
 
-TRUE = ["traditional-1", "traditional-2", "average-1", "implicit-1", "weighted-2", "lax-wendroff", "outflow"]
+TRUE = [
+    "traditional-1",
+    "traditional-2",
+    "average-1",
+    "implicit-1",
+    "weighted-1",
+    "weighted-2",
+    "lax-wendroff",
+    "outflow",
+]
 
 Json = Any
 
@@ -72,9 +81,9 @@ def altered(value: Json, pick: int) -> Json:
     return {"stable": "neutral", "neutral": "generalized", "unstable": "stable", "oo": "5"}.get(value, value + "x")
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=500, deadline=None)
 @given(
-    name=st.sampled_from(["traditional-1", "traditional-2", "average-1", "outflow"]),
+    name=st.sampled_from(["traditional-1", "weighted-1", "implicit-1", "outflow"]),
     place=st.integers(0),
     pick=st.integers(0, 1000),
 )

@@ -12,16 +12,28 @@ from hypothesis import strategies as st
 
 from gks.bounds.cfl import stable_set
 from gks.bounds.curve import curve
-from gks.bounds.proof import prove, prove_here
+from gks.bounds.pointverdict import verdict_at
+from gks.bounds.proof import checked_region, prove, prove_here
 from gks.bounds.sweep import of_values
-from gks.bounds.theorem import Theorem
+from gks.bounds.theorem import Piece, Theorem
 from gks.catalogue import find
-from gks.modes.algebraic import Root
 from gks.modes.analysis import analyse
 from gks.modes.numerals import exact_fraction
+from gks.modes.verdict import Verdict
 from gks.scheme.model import Scheme
 from gks.scheme.schemefile import parse_scheme
-from tests.bounds.theorem_schemes import LEAPFROG_OUTFLOW, interface, weighted_interface
+from tests.bounds.theorem_schemes import (
+    BACKWARD_EULER,
+    CRANK_NICOLSON,
+    LAX_WENDROFF,
+    LEAPFROG,
+    LEAPFROG_OUTFLOW,
+    advection_interface,
+    half_line,
+    interface,
+    upwind_interface,
+    weighted_interface,
+)
 
 
 def theorem(scheme: Scheme, **values: str) -> Theorem:
@@ -66,12 +78,55 @@ def test_a_bound_that_cancels_as_printed_is_evaluated_to_the_last_digits() -> No
     assert bound([1e300])[0] == pytest.approx(20 / 27 * 1e-300, rel=1e-15)
 
 
-@pytest.mark.parametrize("name", ["traditional-1", "traditional-2", "average-1"])
-def test_bounds_are_the_curve_s(name: str) -> None:
+@pytest.mark.parametrize("name", [*PAPER, "traditional-2", "traditional-1-mirror", "characteristic-1"])
+def test_bounds_are_the_curve_s_at_a_thousand_values_over_twenty_decades(name: str) -> None:
     scheme = find(name)
-    values = [float(v) for v in 10.0 ** np.random.default_rng(1).uniform(-10, 10, 300)]
+    values = [float(v) for v in 10.0 ** np.random.default_rng(1).uniform(-10, 10, 1000)]
     swept = curve(scheme, scheme.values({}), of_values("alpha", [Fraction(v) for v in values]))
     assert np.allclose(theorem(scheme).bound(values), swept.lam_max, rtol=1e-12, atol=0)
+
+
+RANGES = {
+    ("1e-4", "1e4"): [("1/10000", "3", "1"), ("3", "10000", "4/(alpha + 1)")],
+    ("1", "3"): [("1", "3", "1")],
+    ("-5", "-1"): [("-5", "-1", "0")],
+    ("-2", "7"): [
+        ("-2", "-1", "0"),
+        ("-1", "0", "1"),
+        ("0", "0", "0"),
+        ("0", "3", "1"),
+        ("3", "7", "4/(alpha + 1)"),
+    ],
+    ("-inf", "0"): [("-oo", "-1", "0"), ("-1", "0", "1")],
+}
+
+
+@pytest.mark.parametrize("ends", RANGES)
+def test_a_theorem_speaks_of_exactly_the_range(ends: tuple[str, str]) -> None:
+    found = theorem(upwind_interface(*ends))
+    stated = [(p["from"], p["to"], p["bound"]) for p in (piece.to_json() for piece in found.pieces)]
+    assert [each for each in stated if each != ("-1", "-1", "0")] == RANGES[ends]
+    assert not found.limits
+
+
+def test_bounds_that_fall_off_are_told_at_both_infinite_ends() -> None:
+    scheme = upwind_interface(
+        "0", "inf", "t*L.u[0] + (1 - t)*R.u[0]", "t*R.s[0] + (1 - t)*L.s[0]", "t = {range = [-inf, inf]}"
+    )
+    found = theorem(scheme, alpha="3")
+    assert [text for text, _ in found.limits] == [
+        "the bound ~ 3/(4*t**2) as t -> -oo",
+        "the bound ~ 3/(4*t**2) as t -> oo",
+    ]
+    assert "alpha = 3: stable exactly for" in found.statement
+
+
+def test_where_two_bounds_meet_the_mode_on_them_is_its_own() -> None:
+    found = theorem(find("traditional-1"))
+    assert [p.to_json()["at_bound_except"] for p in found.pieces] == [[["3", "generalized"]]] * 2
+    values = {"alpha": Fraction(3), "lam": Fraction(1)}
+    assert analyse(found.scheme, found.scheme.values(values)).verdict is Verdict.GENERALIZED
+    assert "at lam = 1: stable, generalized at alpha = 3" in found.statement
 
 
 def test_the_wide_interface_is_stable_below_a_ratio_of_three_and_nowhere_on_it() -> None:
@@ -91,6 +146,7 @@ def test_without_a_parameter_the_stable_set_in_lam() -> None:
         "to_value": None,
         "bound": "1",
         "at_bound": "unstable",
+        "at_bound_except": [],
         "stable_set": [["0", "1"]],
         "closed_form": True,
     }
@@ -101,33 +157,90 @@ def test_setting_the_parameter_leaves_the_stable_set_there() -> None:
     assert (piece.bound.text, piece.at_bound) == ("9/10", "neutral")
 
 
-@settings(max_examples=int(os.environ.get("GKS_SCHEMES", "12")), deadline=None)  # GKS_SCHEMES=200 for a thorough run
-@given(
-    weights=st.tuples(*[st.fractions(-2, 2, max_denominator=4)] * 6),
-    alpha=st.fractions(Fraction(1, 20), 50, max_denominator=20),
-)
+SCHEMES = int(os.environ.get("GKS_SCHEMES", "200"))
+"""Random schemes with a weighted interface; more of them for a thorough run."""
+
+WEIGHTS = st.fractions(-2, 2, max_denominator=2)
+PLACES = st.fractions(Fraction(1, 20), 50, max_denominator=20)
+
+
+@settings(max_examples=SCHEMES, deadline=None)
+@given(weights=st.tuples(*[WEIGHTS] * 4), place=PLACES, share=st.fractions(Fraction(1, 9), 2, max_denominator=9))
 def test_any_interface_weights_agree_with_the_modes_on_and_off_the_bound(
-    weights: tuple[Fraction, ...], alpha: Fraction
+    weights: tuple[Fraction, ...], place: Fraction, share: Fraction
 ) -> None:
-    scheme = weighted_interface(weights)
+    agrees_with_the_modes(advection_interface(weights), "p", place, share)
+
+
+@settings(max_examples=SCHEMES // 40, deadline=None)
+@given(weights=st.tuples(*[WEIGHTS] * 6), place=PLACES, share=st.fractions(Fraction(1, 9), 2, max_denominator=9))
+def test_any_weights_between_media_agree_with_the_modes_on_and_off_the_bound(
+    weights: tuple[Fraction, ...], place: Fraction, share: Fraction
+) -> None:
+    agrees_with_the_modes(weighted_interface(weights), "alpha", place, share)
+
+
+def agrees_with_the_modes(scheme: Scheme, name: str, place: Fraction, share: Fraction) -> None:
+    """At a value of the parameter: lam a share of the bound, and the bound itself where it is rational."""
     found = theorem(scheme)
     assert found.proved, found.reason
-    exact = stable_set(scheme, scheme.values({"alpha": alpha}))
+    exact = stable_set(scheme, scheme.values({name: place}))
     top = exact.lam_max
-    bound = found.bound([float(alpha)])[0]
+    bound = float(found.bound([float(place)])[0])
     if top is None:
         assert bound == np.inf
         return
     assert bound == pytest.approx(float(exact_fraction(top.ball().real)), rel=1e-12, abs=0)
+    piece = next(p for p in found.pieces if _holds(p, place))
+    lam = Fraction(bound).limit_denominator(1000) * share
+    if bound > 0.01 and (share < 1 or (share > 1 and len(piece.stable_set) < 2)):
+        assert (verdict_at(scheme, scheme.values({name: place, "lam": lam})) is Verdict.STABLE) is (share < 1)
     if top.rational:
-        piece = next(p for p in found.pieces if _holds(p, Root.of(alpha)))
-        assert analyse(scheme, scheme.values({"alpha": alpha, "lam": top.rational})).verdict.value == piece.at_bound
+        exceptions = {edge.text: told for edge, told in piece.exceptions}
+        told = analyse(scheme, scheme.values({name: place, "lam": top.rational})).verdict.value
+        assert told == exceptions.get(str(place), piece.at_bound)
 
 
-def _holds(piece: object, value: Root) -> bool:
-    start, end = (float(str(getattr(piece, side).value).replace("oo", "inf")) for side in ("start", "end"))
-    here = float(value.ball().real.mid())
-    return start < here < end or start == here == end
+def _holds(piece: Piece, value: Fraction) -> bool:
+    assert piece.start is not None
+    assert piece.end is not None
+    start, end = (float(str(edge.value).replace("oo", "inf")) for edge in (piece.start, piece.end))
+    return start < value < end or start == value == end
+
+
+HALF_LINES = {
+    (BACKWARD_EULER, "u[0] + a*(u[1] - u[0])"): ["oo", "-a*(a - 2)/(a - 1)", "0"],
+    (BACKWARD_EULER, "u[0] + a*lam*(u[1] - u[0])"): ["(2*a + 1)/(a*(a + 1))"],
+    (CRANK_NICOLSON, "a*u[1]"): ["oo", "2", "4*a/(a**2 + 1)"],
+    (LEAPFROG, "a*u[1]"): ["1", "2*a/(a**2 + 1)"],
+    (LAX_WENDROFF, "u[0] + a*lam*(u[1] - u[0])"): ["1", "(2*a - 1)/(a**2 - a + 1)"],
+}
+
+
+@pytest.mark.parametrize(("interior", "closure"), HALF_LINES)
+def test_one_boundary_with_a_weight(interior: str, closure: str) -> None:
+    found = checked_region(half_line(interior, closure), {}).theorem
+    assert found.proved, found.reason
+    bounds = [piece.bound.text for piece in found.pieces]
+    assert [b for k, b in enumerate(bounds) if k == 0 or b != bounds[k - 1]] == HALF_LINES[interior, closure]
+
+
+def test_a_stable_set_need_not_begin_at_zero_nor_be_one_interval() -> None:
+    found = checked_region(half_line(LAX_WENDROFF, "u[1]/(a - 1)"), {}).theorem
+    assert found.proved, found.reason
+    first, degenerate, two, split, one = found.pieces
+    assert first.to_json()["stable_set"] == [["-a/(a - 2)", "1"]]
+    assert (first.bound.text, degenerate.stable_set) == ("0", ())
+    assert len(two.stable_set) == 2
+    middle = "(sqrt(6) - sqrt(2))/2"
+    assert split.to_json()["stable_set"] == [["0", middle], [middle, "1"]]
+    assert one.to_json()["stable_set"] == [["0", "1"]]
+
+
+def test_what_the_check_does_not_reach_is_not_said_to_be_proved() -> None:
+    found = checked_region(half_line(LAX_WENDROFF, "u[0] + sqrt(2)*a*lam*(u[1] - u[0])"), {}).theorem
+    assert not found.proved
+    assert "not accepted by the check: irrational numbers" in str(found.reason)
 
 
 def test_several_free_parameters_are_not_proved_and_say_so() -> None:

@@ -25,7 +25,8 @@ _INTERFACE = """
 title = "{title}"
 [parameters]
 lam = {{ role = "cfl", default = 0.5 }}
-alpha = {{ default = 1, range = [1e-4, 1e4] }}
+alpha = {{ default = 1, range = [{low}, {high}] }}
+{further}
 [interior]
 {interior}
 [domains.L]
@@ -43,10 +44,72 @@ equations = ["L.u[1] = u_I", "L.s[1] = s_I", "R.u[-1] = u_I", "R.s[-1] = s_I"]
 """
 
 
-def interface(name: str) -> Scheme:
+HALF_LINE = """
+title = "A closure with a parameter"
+[parameters]
+lam = {{ role = "cfl", default = 0.5 }}
+a = {{ default = 1, range = [{low}, {high}] }}
+[domains.R]
+side = "right"
+unknowns = ["u"]
+interior = ["{interior}"]
+first = 1
+[closure]
+equations = ["u[0, n+1] = {closure}"]
+"""
+
+LAX_WENDROFF = "u[i, n+1] = u[i] + lam/2*(u[i+1] - u[i-1]) + lam**2/2*(u[i+1] - 2*u[i] + u[i-1])"
+LEAPFROG = "u[i, n+1] = u[i, n-1] + lam*(u[i+1] - u[i-1])"
+BACKWARD_EULER = "u[i, n+1] = u[i] + lam/2*(u[i+1, n+1] - u[i-1, n+1])"
+CRANK_NICOLSON = "u[i, n+1] - lam/4*(u[i+1, n+1] - u[i-1, n+1]) = u[i] + lam/4*(u[i+1] - u[i-1])"
+
+_ADVECTION = """
+title = "Weights in characteristic variables"
+[parameters]
+lam = {{ role = "cfl", default = 0.5 }}
+p = {{ default = 1, range = [0, inf] }}
+[domains.L]
+side = "left"
+unknowns = ["v", "w"]
+interior = ["v[i, n+1] = v[i] + lam*(v[i+1] - v[i])", "w[i, n+1] = w[i] - lam*(w[i] - w[i-1])"]
+[domains.R]
+side = "right"
+unknowns = ["v", "w"]
+interior = ["v[i, n+1] = v[i] + lam*(v[i+1] - v[i])", "w[i, n+1] = w[i] - lam*(w[i] - w[i-1])"]
+[closure]
+equations = ["L.v[1] = {v}", "R.w[-1] = {w}"]
+"""
+
+
+def half_line(interior: str, closure: str, low: str = "0", high: str = "inf") -> Scheme:
+    """u_t = u_x on x > 0 with one boundary point, a closure that holds the parameter a, and the range of a."""
+    return parse_scheme(HALF_LINE.format(interior=interior, closure=closure, low=low, high=high), "half-line")
+
+
+def interface(name: str, low: str = "0", high: str = "inf") -> Scheme:
     """The traditional coupling of two half-lines under a named fully discrete scheme."""
-    text = _INTERFACE.format(title=name, interior=f'scheme = "{name}"', u="L.u[0]", s="R.s[0]")
-    return parse_scheme(text, name)
+    return parse_scheme(
+        _INTERFACE.format(
+            title=name, interior=f'scheme = "{name}"', u="L.u[0]", s="R.s[0]", low=low, high=high, further=""
+        ),
+        name,
+    )
+
+
+def upwind_interface(low: str, high: str, u: str = "L.u[0]", s: str = "R.s[0]", further: str = "") -> Scheme:
+    """First-order upwinding with interface values given, alpha over a range; further parameters as lines of TOML."""
+    interior = 'space = "upwind1"\ntime = "forward-euler"'
+    return parse_scheme(
+        _INTERFACE.format(title="upwind", interior=interior, u=u, s=s, low=low, high=high, further=further), "upwind"
+    )
+
+
+def advection_interface(weights: Sequence[Fraction]) -> Scheme:
+    """Upwinded advection both ways; what leaves the interface hangs on both sides, by rational weights and p."""
+    a, b, c, d = (f"({w})" for w in weights)
+    v = f"({a} + {b}*p)*L.v[0] + {c}*R.w[0] + R.v[0]"
+    w = f"({d} + p)*L.v[0] - L.w[0]"
+    return parse_scheme(_ADVECTION.format(v=v, w=w), "advection")
 
 
 def weighted_interface(weights: Sequence[Fraction]) -> Scheme:
@@ -54,5 +117,4 @@ def weighted_interface(weights: Sequence[Fraction]) -> Scheme:
     a, b, c, d, e, f = (f"({w})" for w in weights)
     u = f"{a}*L.u[0] + {b}*R.u[0] + {c}*(L.s[0] - R.s[0])"
     s = f"{d}*L.s[0] + {e}*R.s[0] + {f}*(L.u[0] - R.u[0])"
-    text = _INTERFACE.format(title="weights", interior='space = "upwind1"\ntime = "forward-euler"', u=u, s=s)
-    return parse_scheme(text, "weights")
+    return upwind_interface("0", "inf", u, s)

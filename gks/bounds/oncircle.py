@@ -1,0 +1,58 @@
+"""Delta as a function of z and of the symbols of a problem, whatever its resolvent variable, in double precision.
+
+Under the method of lines it is the product of Delta over the values lam*s that the integrator has at z, which has its
+zeros where one of them is a mode and no branch points.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from gks.bounds.sampled import Array, ComplexArray, all_roots, sampled
+from gks.errors import NotAnalysable
+from gks.modes.kreiss import NormalModeProblem
+from gks.scheme.integrators import Integrator
+
+DeltaOfZ = Callable[..., ComplexArray]
+"""Delta at points z and values of the problem's symbols, all (N,)."""
+
+
+def delta_of_z(problem: NormalModeProblem) -> DeltaOfZ:
+    """The function; the last symbol of the problem is lam. NotAnalysable where time is exact."""
+    compiled = sampled(problem)
+    if problem.variable == "z":
+        return lambda z, *symbols: compiled.at(z, *symbols).determinant
+    method = problem.resolvent.integrator
+    assert method is not None
+    if method.kind == "exact":
+        raise NotAnalysable("the semi-discrete problem has no z")
+
+    def delta(z: ComplexArray, *symbols: Array) -> ComplexArray:
+        mu = _branches(method, z)
+        count = mu.shape[1]
+        flat = [np.repeat(each, count) for each in symbols]
+        with np.errstate(all="ignore"):
+            found = compiled.at(mu.ravel() / flat[-1], *flat).determinant
+        return np.asarray(found.reshape(mu.shape).prod(axis=1))
+
+    return delta
+
+
+def _branches(method: Integrator, z: ComplexArray) -> ComplexArray:
+    """All lam*s at every z: (N, branches)."""
+    with np.errstate(all="ignore"):
+        if method.kind == "multistep":
+            rho, sigma = (_value(row, z) for row in (method.rho, method.sigma))
+            return np.asarray((rho / sigma)[:, None])
+        rows = np.tile([complex(c) for c in method.stability], (len(z), 1))
+        rows[:, 0] -= z
+        return all_roots(rows)
+
+
+def _value(row: tuple[object, ...], z: ComplexArray) -> ComplexArray:
+    total = np.zeros_like(z)
+    for c in reversed(row):
+        total = total * z + float(c)  # type: ignore[arg-type]
+    return total
