@@ -19,8 +19,18 @@ TABLES = {
     "precision": "gks.reports.bench_precision",
     "theorems": "gks.reports.bench_theorems",
     "stress": "gks.reports.bench_stress",
+    "scale": "gks.reports.bench_scale",
 }
 """The module of each table, loaded when it is asked for; each has `measure(progress) -> Table`."""
+
+
+PICTURED = ("precision",)
+"""Tables that can be drawn; their modules have `save(table, path)` for a .png, .svg or .pdf file."""
+
+
+def save_picture(name: str, table: Table, path: str) -> None:
+    """Draw the table of that name (one of PICTURED) into a file."""
+    import_module(TABLES[name]).save(table, path)
 
 
 def bench(name: str, progress: Progress) -> Table:

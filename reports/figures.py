@@ -18,7 +18,8 @@ from gks.reports.canvas import DOUBLE_DECADES, format_of, image, label_of, mark_
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from gks.bounds.curve import Curve, CurvePoint, Number
+    from gks.bounds.curve import Curve
+    from gks.bounds.point import CurvePoint, Number
 
 CLOSURE: dict[str, Any] = {"color": "#0072B2", "linestyle": "-", "linewidth": 1.8}
 INTERIOR: dict[str, Any] = {"color": "#222222", "linestyle": (0, (4, 1.6)), "linewidth": 1.8}
@@ -73,22 +74,23 @@ class _Run:
 
 def save_curve(curve: Curve, path: str) -> None:
     """Draw the curve into a .png, .svg or .pdf file, written whole or not at all; ValueError for another ending."""
-    content = _curve_bytes(curve, format_of(path))
+    content = curve_image(curve, format_of(path))
     with whole_file(path) as draft, open(draft, "wb") as file:
         file.write(content)
 
 
 def curve_svg(curve: Curve) -> str:
     """The curve as the text of an SVG file."""
-    return _curve_bytes(curve, "svg").decode("utf-8")
+    return curve_image(curve, "svg").decode("utf-8")
 
 
 def curve_png(curve: Curve) -> bytes:
     """The curve as the bytes of a PNG file."""
-    return _curve_bytes(curve, "png")
+    return curve_image(curve, "png")
 
 
-def _curve_bytes(curve: Curve, kind: str) -> bytes:
+def curve_image(curve: Curve, kind: str) -> bytes:
+    """The curve as the content of a file ("png", "svg" or "pdf")."""
     with styled():
         figure, axes = new_figure()
         if _is_point(curve):

@@ -78,7 +78,7 @@ def test_a_curve_takes_an_array_a_text_or_a_sweep() -> None:
     assert all(each == points[0] for each in points)
 
 
-@pytest.mark.parametrize("arrays", [{"alpha": [1, float("nan")]}, {"alpha": []}, {"alpha": [1, 2], "lam": [1, 2]}])
+@pytest.mark.parametrize("arrays", [{"alpha": [1, float("nan")]}, {"alpha": []}, {"alpha": [1, 2], "lam": [-1, 2]}])
 def test_an_array_at_fault_is_refused(arrays: dict[str, list[float]]) -> None:
     with pytest.raises(ParameterError):
         gks.load("traditional-1").curve(arrays)

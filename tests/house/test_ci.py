@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-STEPS = ["main job", "tests", "ruff", "mypy"]
+STEPS = ["browser", "main job", "tests", "ruff", "mypy", "oldest versions"]
 
 
 def ci(root: Path, *broken: str) -> subprocess.CompletedProcess[str]:
@@ -16,7 +16,8 @@ def ci(root: Path, *broken: str) -> subprocess.CompletedProcess[str]:
     shutil.copy(ROOT / ".ci" / "run", root / ".ci" / "run")
     (root / ".venv" / "bin").mkdir(parents=True)
     for step in STEPS:
-        command = root / ".venv" / "bin" / step.split()[0]
+        name = step.split()[0]
+        command = root / ".ci" / name if name in ("browser", "oldest") else root / ".venv" / "bin" / name
         command.write_text(f"#!/bin/sh\necho {step} >> steps\necho '3 passed in 1 s'\nexit {int(step in broken)}\n")
         command.chmod(0o755)
     commands = (f"python3 -m venv --help > /dev/null && .venv/bin/{name}\n" for name in ("main", "tests"))
@@ -24,10 +25,11 @@ def ci(root: Path, *broken: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(["bash", ".ci/run"], cwd=root, capture_output=True, text=True, check=False)
 
 
-def test_it_runs_the_second_command_ruff_mypy_and_the_first_command(tmp_path: Path) -> None:
+def test_it_runs_the_second_command_ruff_mypy_the_first_command_and_the_oldest_versions(tmp_path: Path) -> None:
     ended = ci(tmp_path)
     assert ended.returncode == 0
-    assert (tmp_path / "steps").read_text().splitlines() == ["tests", "ruff", "mypy", "main job"]
+    expected = ["browser", "tests", "ruff", "mypy", "main job", "oldest versions"]
+    assert (tmp_path / "steps").read_text().splitlines() == expected
     assert "== pytest said: 3 passed in 1 s" in ended.stdout
 
 

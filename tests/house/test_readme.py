@@ -32,7 +32,7 @@ def test_the_two_commands_are_one_line_each_and_shell() -> None:
         assert block.count("\n") == 1
         subprocess.run(["bash", "-n", "-c", block], check=True)
     assert "gks modes" in shell[0]
-    assert "gks curve" in shell[0]
+    assert "gks report" in shell[0]
     assert "pytest" in shell[1]
 
 
@@ -44,7 +44,7 @@ def test_ci_runs_exactly_these_two() -> None:
 
 def test_the_first_command_s_arguments_are_accepted() -> None:
     runs = re.findall(r"\.venv/bin/gks ([^&\n]+)", blocks("sh")[0])
-    assert [parser().parse_args(run.split()).command for run in runs] == ["modes", "curve"]
+    assert [parser().parse_args(run.split()).command for run in runs] == ["modes", "report"]
 
 
 def test_the_tests_can_be_set_up_by_the_second_command() -> None:

@@ -16,7 +16,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import gks
-from gks.bounds.curve import Curve, CurvePoint
+from gks.bounds.curve import Curve, curve
+from gks.bounds.point import CurvePoint
 from gks.bounds.sweep import Sweep, parse_sweep
 from gks.catalogue import find
 from gks.modes.numerals import json_real
@@ -121,7 +122,8 @@ def test_numbers_beyond_the_doubles_are_counted_and_not_drawn_as_zero() -> None:
     ],
 )
 def test_axes_are_logarithmic_where_the_sweep_is_and_lam_max_spans_decades(sweep: str, scales: tuple[str, str]) -> None:
-    axes = drawn(gks.load("traditional-1").curve(sweep=sweep))
+    scheme = find("traditional-1")
+    axes = drawn(curve(scheme, scheme.values({}), parse_sweep(sweep)))
     assert (axes.get_xscale(), axes.get_yscale()) == scales
 
 

@@ -1,0 +1,294 @@
+"""The report of one scheme: what was found, in the order in which people ask."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import partial
+from typing import Any
+
+from gks.reports import scheme_figures as figures
+from gks.reports.document import (
+    Block,
+    Code,
+    Data,
+    Figure,
+    Formula,
+    Link,
+    Maths,
+    Panel,
+    Paragraph,
+    Report,
+    Result,
+    Section,
+    Strong,
+    Table,
+    Text,
+    shown,
+    signed,
+)
+from gks.reports.formulas import NotAFormula, formula, laid_out, name, relation
+from gks.reports.provenance import provenance
+from gks.reports.scheme_answers import (
+    audit_section,
+    curve_section,
+    detached,
+    map_section,
+    march_section,
+    theorem_section,
+)
+from gks.reports.scheme_maths import scheme_section
+from gks.scheme.model import Scheme
+
+TONES = {"stable": "good", "neutral": "open", "generalized": "open", "unstable": "bad", "undecided": "open"}
+
+
+def build(scheme: Scheme, stem: str, records: Mapping[str, Mapping[str, Any]]) -> Report:
+    """The report of a scheme from the records of its steps; `stem` begins the names of its files."""
+    attachments: dict[str, str] = {}
+    certificate = f"{stem}-certificate.json"
+    records = {key: detached(record, certificate, attachments) for key, record in records.items()}
+    results = {key: Result(key, record) for key, record in records.items()}
+    sections = [
+        scheme_section(scheme),
+        _grid(scheme, stem),
+        _derivation(scheme, results),
+        _modes(scheme, stem, results),
+        curve_section(scheme, stem, results),
+        map_section(scheme, stem, results),
+        theorem_section(scheme, stem, results),
+        march_section(stem, results),
+        audit_section(results),
+        provenance(records),
+    ]
+    return Report(
+        stem,
+        scheme.title,
+        _summary(scheme, results),
+        tuple(section for section in _joined(sections) if section is not None),
+        records,
+        {scheme.name: scheme.text},
+        attachments,
+    )
+
+
+def _joined(sections: list[Section | None]) -> list[Section | None]:
+    """The picture of the grid belongs to the scheme's own section."""
+    scheme, grid, *others = sections
+    assert scheme is not None and grid is not None
+    return [Section(scheme.anchor, scheme.title, (*grid.blocks, *scheme.blocks)), *others]
+
+
+# At the top -----------------------------------------------------------------------------------------------------------
+
+
+def _summary(scheme: Scheme, results: Mapping[str, Result]) -> tuple[Block, ...]:
+    rows: list[tuple[Text, Text]] = []
+    modes, theorem, march, audit = (results.get(key) for key in ("modes", "theorem", "march", "audit"))
+    if modes is not None and modes.refused is None:
+        verdict = modes.get("verdict")
+        rows.append((("at ", *_values(modes)), (Strong(verdict, TONES[verdict]), ": ", modes.quote("because"))))
+    if theorem is not None and theorem.refused is None:
+        proved = theorem.get("status") == "proved"
+        what: Text = (Strong("proved", "good"), "; see ", Link("the theorem", "#theorem"))
+        rows.append((("stable region",), what if proved else (Strong("not proved", "open"),)))
+    if march is not None and march.refused is None:
+        agrees = march.get("agrees")
+        word = Strong("agrees", "good") if agrees else Strong("disagrees", "bad")
+        what = (word,)
+        if march.get("predicted") is not None:
+            what = (word, ": observed ", march.number("observed"), ", predicted ", march.number("predicted"))
+        rows.append((("a march",), what))
+    if audit is not None and audit.refused is None:
+        rows.append((("claims",), _tally(audit)))
+    blocks: list[Block] = [Paragraph((scheme.source,))] if scheme.source else []
+    return (*blocks, Table((), (("",), ("",)), tuple(rows)))
+
+
+def _values(result: Result) -> Text:
+    text: Text = ()
+    for key, value in result.get("parameters").items():
+        text = (*text, ", " if text else "", Maths(relation(name(key), "=", laid_out(str(value)))))
+    return text
+
+
+def _tally(audit: Result) -> Text:
+    claims = audit.get("claims")
+    counts = {word: sum(c["evidence"]["status"] == word for c in claims) for word in ("holds", "fails", "undecided")}
+    parts = [f"{count} {'hold' if word == 'holds' else 'fail' if word == 'fails' else word}"
+             for word, count in counts.items() if count]  # fmt: skip
+    tone = "bad" if counts["fails"] else "open" if counts["undecided"] else "good"
+    return (Strong(", ".join(parts), tone), "; see ", Link("the audit", "#audit"))
+
+
+# Sections -------------------------------------------------------------------------------------------------------------
+
+
+def _grid(scheme: Scheme, stem: str) -> Section:
+    data = Data(
+        {
+            "domain": [v.domain for v in scheme.boundary_unknowns],
+            "unknown": [v.unknown for v in scheme.boundary_unknowns],
+            "index": [v.index for v in scheme.boundary_unknowns],
+        }
+    )
+    lines = len(scheme.domains)
+    places = ", ".join(str(v) for v in scheme.boundary_unknowns[:12])
+    figure = Figure(
+        f"{stem}-grid",
+        ("The grid next to the boundary: cells, and the values that the closure gives.",),
+        f"{'Two half-lines that meet' if lines == 2 else 'One half-line'}. Values from the closure: {places}.",
+        (Panel(partial(figures.draw_grid, scheme), aspect=0.22 + 0.16 * lines),),
+        {"": data},
+    )
+    return Section("grid", "", (figure,))
+
+
+def _derivation(scheme: Scheme, results: Mapping[str, Result]) -> Section | None:
+    derived = results.get("derive")
+    if derived is None:
+        return None
+    title = "Characteristic polynomial and root map"
+    if derived.refused is not None:
+        return Section("polynomial", title, (Paragraph((f"Not derived: {derived.refused}.",)),))
+    blocks: list[Block] = []
+    text, factors = derived.get("characteristic_polynomial"), derived.get("factors")
+    if not factors:
+        constant = derived.quote("characteristic_polynomial")
+        told: Text = ("There is no normal mode: the characteristic polynomial is the constant ", constant, ".")
+        return Section("polynomial", title, (Paragraph(told),))
+    blocks.append(Paragraph(("A normal mode exists where",)))
+    where = "/results/derive/result/characteristic_polynomial"
+    blocks.append(_shown_formula(f"{text} = 0", "The characteristic polynomial", where))
+    if len(factors) > 1 or any("**" in factor and factor.startswith("(") for factor in factors):
+        product = "*".join(f if f.startswith("(") and f.count("(") == 1 else f"({f})" for f in factors)
+        blocks.append(Paragraph(("factored,",)))
+        blocks.append(_shown_formula(f"{product} = 0", "Its factors"))
+    if derived.get("root_map") != "z = z":
+        blocks.append(Paragraph(("and its roots become growth factors a step by",)))
+        blocks.append(_shown_formula(derived.get("root_map"), "The root map"))
+    return Section("polynomial", title, tuple(blocks))
+
+
+def _shown_formula(text: str, label: str, place: str = "") -> Block:
+    try:
+        return Formula(formula(text), label, place)
+    except NotAFormula:
+        return Paragraph((Code(text if len(text) < 4000 else text[:3990] + " …"),))
+
+
+def _modes(scheme: Scheme, stem: str, results: Mapping[str, Result]) -> Section | None:
+    result = results.get("modes")
+    if result is None:
+        return None
+    title = "Normal modes"
+    if result.refused is not None:
+        return Section("modes", title, (Paragraph((f"Not analysed: {result.refused}.",)),))
+    verdict, modes = result.get("verdict"), result.get("modes")
+    head: Text = ("At ", *_values(result), ": ", Strong(verdict, TONES[verdict]), ", ", result.quote("because"), " ",
+                  f"(tier: {result.get('tier')}{', certified' if result.get('certified') else ''}).")  # fmt: skip
+    blocks: list[Block] = [Paragraph(head)]
+    if modes:
+        blocks += [_modes_figure(stem, modes), _modes_table(result)]
+    blocks += _profile(scheme, stem, results.get("profile"))
+    blocks += _paths(scheme, stem, results.get("roots"))
+    return Section("modes", title, tuple(blocks))
+
+
+def _modes_figure(stem: str, modes: list[Mapping[str, Any]]) -> Figure:
+    worst = max((m for m in modes if m["kind"] != "inadmissible"), key=lambda m: float(m["modulus"]), default=None)
+    seen = f"{len(modes)} roots of the characteristic polynomial around the unit circle. "
+    if worst is not None:
+        seen += f"The admissible one of largest modulus is {worst['kind']}, with modulus {shown(worst['modulus'])}."
+    else:
+        seen += "None is admissible."
+    columns = {
+        "re": [m["z"][0] if m["z"] != "oo" else "oo" for m in modes],
+        "im": [m["z"][1] if m["z"] != "oo" else "oo" for m in modes],
+        "modulus": [m["modulus"] for m in modes],
+        "radius": [m["radius"] for m in modes],
+        "multiplicity": [m["multiplicity"] for m in modes],
+        "kind": [m["kind"] for m in modes],
+    }
+    caption = "Roots in the z-plane. Outside the circle a mode grows; what is inadmissible does not decay in space."
+    draw = Panel(partial(figures.draw_roots, modes), aspect=0.86)
+    return Figure(f"{stem}-modes", (caption,), seen, (draw,), {"": Data(columns)})
+
+
+def _profile(scheme: Scheme, stem: str, result: Result | None) -> list[Block]:
+    """What the worst mode looks like in space."""
+    if result is None or result.refused is not None or result.get("index") is None:
+        return []
+    data = result.record["result"]
+    mode, values = data["mode"], data["shapes"][0]["values"]
+    domains = sorted((d for d in scheme.domains if values[d.name]["index"]), key=lambda d: d.side != "left")
+    rows = [
+        (d.name, unknown, index, *value)
+        for d in domains
+        for unknown in d.unknowns
+        for index, value in zip(values[d.name]["index"], values[d.name][unknown], strict=True)
+    ]
+    if not rows:
+        return []
+    columns = dict(zip(("domain", "unknown", "index", "re", "im"), map(list, zip(*rows, strict=True)), strict=True))
+    present = [c for c in data["components"] if c["present"]]
+    factors = ", ".join(f"{shown(c['modulus'], 4)} in {c['domain']}" for c in present[:6])
+    figure = Figure(
+        f"{stem}-profile",
+        (
+            f"The {mode['kind']} mode of largest modulus, |z| = ",
+            result.number("mode", "modulus", digits=7),
+            ", in space; its largest value is 1.",
+        ),
+        f"Its spatial factors have the moduli {factors}." if factors else "It lives in single values at the boundary.",
+        tuple(Panel(partial(figures.draw_profile, scheme, data, d.name), aspect=0.6) for d in domains),
+        {"": Data(columns)},
+    )
+    return [figure]
+
+
+def _paths(scheme: Scheme, stem: str, result: Result | None) -> list[Block]:
+    """Where the roots move as the parameter runs."""
+    if result is None or result.refused is not None or not result.get("tracks"):
+        return []
+    data, sweep = result.record["result"], result.record["arguments"]["sweep"]
+    rows = [
+        (value, k, *z, kind)
+        for k, track in enumerate(data["tracks"])
+        for value, z, kind in zip(data["values"], track["z"], track["kind"], strict=True)
+        if z is not None
+    ]
+    if not rows:
+        return []
+    columns = zip((data["sweep"], "track", "re", "im", "kind"), map(list, zip(*rows, strict=True)), strict=True)
+    planes = ["z", "r"] if any(r is not None for track in data["tracks"] for r in track["r"]) else ["z"]
+    first, last = shown(data["values"][0], 3), shown(data["values"][-1], 3)
+    growing = sum("growing" in track["kind"] for track in data["tracks"])
+    figure = Figure(
+        f"{stem}-roots",
+        ("The paths of the roots as ", Maths(name(data["sweep"])), f" runs from {first} to {last}, with arrows."),
+        f"{len(data['tracks'])} paths, of which {growing} leave the unit circle as growing modes.",
+        tuple(Panel(partial(figures.draw_rootmap, scheme, data, sweep, plane), aspect=0.95) for plane in planes),
+        {"": Data(dict(columns))},
+    )
+    return [figure]
+
+
+MOST_ROWS = 40
+
+
+def _modes_table(result: Result) -> Table:
+    rows = []
+    for k, mode in enumerate(result.get("modes")[:MOST_ROWS]):
+        z: Text = ("∞",)
+        if mode["z"] != "oo":
+            real, imaginary = (result.number("modes", k, "z", part, digits=8) for part in (0, 1))
+            z = (real, " ", signed(imaginary), "i") if imaginary.value else (real,)
+        row_: tuple[Text, ...] = (
+            z,
+            (result.number("modes", k, "modulus", digits=10),),
+            (result.number("modes", k, "multiplicity"),),
+            (mode["kind"],),
+        )
+        rows.append(row_)
+    columns: tuple[Text, ...] = ((Maths(name("z")),), ("|z|",), ("multiplicity",), ("kind",))
+    return Table(("The roots, each as a double.",), columns, tuple(rows), frozenset({0, 1, 2}))
