@@ -6,7 +6,7 @@ Results are the analyses' own objects: they print as the command prints them, an
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
@@ -16,12 +16,16 @@ from typing import TYPE_CHECKING, TypeVar, cast
 from gks.errors import ParameterError, TooLarge
 
 if TYPE_CHECKING:
+    from concurrent.futures import Executor
+
     from gks.bounds.audit import Audit
+    from gks.bounds.rootpaths import RootMap
     from gks.bounds.sweep import Sweep
     from gks.bounds.theorem import Theorem
     from gks.modes import ModesResult
     from gks.modes.derive import Derivation
-    from gks.reports.notebook import PicturedCurve
+    from gks.modes.profile import Profile
+    from gks.reports.notebook import PicturedCurve, PicturedMap, PicturedRadius
     from gks.scheme.model import Scheme
     from gks.solvers.march import MarchResult
 
@@ -52,11 +56,49 @@ class LoadedScheme:
 
     scheme: Scheme
 
-    def modes(self, values: Mapping[str, Value] | None = None, /, **named: Value) -> ModesResult:
-        """The normal modes and the verdict at one set of parameter values."""
-        from gks.modes import analyse
+    def modes(
+        self,
+        values: Mapping[str, Value] | None = None,
+        /,
+        *,
+        limit: float | None = None,
+        certify: bool = False,
+        **named: Value,
+    ) -> ModesResult:
+        """The normal modes and the verdict at one set of parameter values.
 
-        return analyse(self.scheme, self.scheme.values(_merged(values, named)))
+        What takes over `limit` seconds is undecided, and with `certify` also what is not proved.
+        """
+        exact = self.scheme.values(_merged(values, named))
+        if limit is None and not certify:
+            from gks.modes import analyse
+
+            return analyse(self.scheme, exact)
+        from gks.bounds.verdicts import verdict_within
+
+        return verdict_within(self.scheme, exact, limit=limit, certify=certify)
+
+    def profile(
+        self, values: Mapping[str, Value] | None = None, /, *, mode: int = 0, cells: int | None = None, **named: Value
+    ) -> Profile:
+        """What a mode looks like in space: the one of that place in `modes` (0: the largest modulus), so many cells."""
+        from gks.modes.profile import profile
+
+        return profile(self.modes(_merged(values, named)), mode, cells)
+
+    def roots(
+        self, values: Mapping[str, Sweepable] | None = None, /, *, sweep: str | None = None, **named: Sweepable
+    ) -> RootMap:
+        """Where the roots z move as one parameter runs: given as an array, as text with colons, or by `sweep`."""
+        from gks.bounds.rootmap import rootmap
+        from gks.bounds.sweep import parse_sweep
+
+        fixed, sweeps = _split(_merged(values, named))
+        if sweep is not None:
+            sweeps.append(parse_sweep(sweep))
+        if len(sweeps) != 1:
+            raise ParameterError(f"{len(sweeps)} parameters run", expected="one that does")
+        return rootmap(self.scheme, self.scheme.values(fixed), sweeps[0])
 
     def derive(self, values: Mapping[str, Value] | None = None, /, **named: Value) -> Derivation:
         """The characteristic polynomial, factored, and the map of its roots to z; parameters not given stay symbols."""
@@ -67,22 +109,53 @@ class LoadedScheme:
         return derive(self.scheme, self.scheme.values(given, free))
 
     def curve(
-        self, values: Mapping[str, Sweepable] | None = None, /, *, sweep: str | None = None, **named: Sweepable
-    ) -> PicturedCurve:
-        """The largest stable CFL number and all stable intervals: over one parameter, or at the one point given.
+        self,
+        values: Mapping[str, Sweepable] | None = None,
+        /,
+        *,
+        sweep: str | Sequence[str] = (),
+        jobs: int | None = None,
+        scheduler: str | None = None,
+        executor: Executor | None = None,
+        resume: str | None = None,
+        progress: Callable[[int, int], None] | None = None,
+        limit: float | None = None,
+        certify: bool = False,
+        **named: Sweepable,
+    ) -> PicturedCurve | PicturedMap | PicturedRadius:
+        """The largest stable CFL number and all stable intervals: over one parameter, two, or at the one point given.
 
-        The parameter that runs is the one given as an array, as text with colons, or by `sweep` as on the command line.
+        A parameter that runs is given as an array, as text with colons, or by `sweep` as on the command line. Where the
+        CFL number itself runs, the result is the largest modulus of the modes. A point that takes over `limit` seconds
+        is flagged as undecided, and with `certify` also one that is not proved throughout.
+        A sweep may be shared by `jobs` processes, the workers of a Dask `scheduler` ("tcp://..."), or any `executor` of
+        concurrent.futures, and may keep its finished chunks in the folder `resume`: a run that was ended goes on from
+        there, and the points are the same bytes either way. `progress` is told points done, of how many.
         """
-        from gks.bounds.curve import curve
         from gks.bounds.sweep import parse_sweep
+        from gks.bounds.sweeping import swept
         from gks.reports.notebook import pictured
 
         fixed, sweeps = _split(_merged(values, named))
-        if sweep is not None:
-            sweeps.append(parse_sweep(sweep))
-        if len(sweeps) > 1:
-            raise ParameterError(f"{len(sweeps)} parameters run", expected="one at most", mend="set the others")
-        return pictured(curve(self.scheme, self.scheme.values(fixed), sweeps[0] if sweeps else None))
+        sweeps += map(parse_sweep, [sweep] if isinstance(sweep, str) else sweep)
+        if jobs is None and scheduler is None and executor is None and resume is None:
+            exact = self.scheme.values(fixed)
+            return pictured(swept(self.scheme, exact, sweeps, progress, limit=limit, certify=certify))
+        from gks.campaigns.sweeps import campaign_curve
+
+        shared = campaign_curve(
+            self.scheme,
+            self.scheme.values(fixed),
+            sweeps,
+            jobs=jobs,
+            scheduler=scheduler,
+            executor=executor,
+            resume=resume,
+            progress=progress,
+            limit=limit,
+            certify=certify,
+        )
+        return pictured(shared)
 
     def prove(
         self,
@@ -106,9 +179,10 @@ class LoadedScheme:
     def audit(self) -> Audit:
         """The file's claims held against what is derived; a march stands beside each claim that fails."""
         from gks.bounds.audit import audit
+        from gks.bounds.proof import checked_region
         from gks.solvers.march import march
 
-        return audit(self.scheme, march)
+        return audit(self.scheme, march, checked_region)
 
     def march(
         self,

@@ -59,6 +59,21 @@ class _Commands:
         )
         return sub
 
+    def bounded(self, sub: argparse.ArgumentParser) -> None:
+        """Lets a command be told how long to try, and what counts as an answer."""
+        sub.add_argument(
+            "--limit", type=_seconds, metavar="SECONDS", help="undecided if a point takes longer (default: 60)"
+        )
+        sub.add_argument("--certify", action="store_true", help="undecided unless it is proved throughout")
+
+    def spread(self, sub: argparse.ArgumentParser) -> None:
+        """Lets a long command run on several workers, and go on after it was ended."""
+        sub.add_argument("--jobs", type=_count, metavar="N", help="share it among N processes (default: this one)")
+        sub.add_argument("--scheduler", metavar="ADDRESS", help="share it among Dask's workers: tcp://HOST:PORT")
+        sub.add_argument(
+            "--resume", metavar="DIR", help="keep finished chunks in the folder DIR, and go on from those that it holds"
+        )
+
 
 def parser() -> argparse.ArgumentParser:
     """The parser of the whole command line; `command` names the function of `gks.commands` that carries it out."""
@@ -76,12 +91,23 @@ def parser() -> argparse.ArgumentParser:
     new = command.plain("new", "write a commented scheme file to start from", file=False, json=False)
     new.add_argument("name", metavar="NAME", help="the file to write, .toml added if missing; never overwrites")
     command.parametrised("derive", "the characteristic polynomial and how its roots map to z")
-    command.parametrised("modes", "the normal modes and the verdict at one set of parameter values")
+    command.bounded(command.parametrised("modes", "the normal modes and the verdict at one set of parameter values"))
+    profile = command.parametrised("profile", "what a normal mode looks like in space, on both sides of the boundary")
+    profile.add_argument(
+        "--mode", type=_place, default=0, metavar="K", help="the mode, by its place in `gks modes` from 0 (default: 0)"
+    )
+    profile.add_argument("--cells", type=_count, metavar="N", help="points a side (default: until the mode has faded)")
+    profile.add_argument("-o", action="append", default=[], metavar="OUT", dest="outputs", help=_PICTURE_OUTPUT)
+    roots = command.parametrised("roots", "where the roots z move as a parameter runs, and what they are")
+    roots.add_argument("--sweep", required=True, metavar="NAME=LO:HI:COUNT[:log]", help="the parameter that runs")
+    roots.add_argument("-o", action="append", default=[], metavar="OUT", dest="outputs", help=_PICTURE_OUTPUT)
     curve = command.parametrised("curve", "the largest stable CFL number and all stable intervals, over a parameter")
     curve.add_argument(
         "--sweep",
+        action="append",
+        default=[],
         metavar="NAME=LO:HI:COUNT[:log]",
-        help="the parameter that runs, e.g. alpha=1e-4:1e4:401:log",
+        help="a parameter that runs, e.g. alpha=1e-4:1e4:401:log (twice: a map; the CFL number: the modes' moduli)",
     )
     curve.add_argument(
         "-o",
@@ -91,6 +117,8 @@ def parser() -> argparse.ArgumentParser:
         dest="outputs",
         help="write to OUT instead; its ending says what: .csv .json .png .svg .pdf (may be repeated)",
     )
+    command.bounded(curve)
+    command.spread(curve)
     prove = command.parametrised("prove", "the stable region over a parameter, as a theorem with a certificate")
     prove.add_argument("--limit", type=_seconds, metavar="SECONDS", help="how long it may take (default: no limit)")
     prove.add_argument("-o", metavar="OUT", dest="output", help="write the certificate to OUT, a .json file")
@@ -99,16 +127,38 @@ def parser() -> argparse.ArgumentParser:
     audit = command.plain("audit", "the claims of a scheme file, held against what is derived", file=False)
     audit.add_argument("file", metavar="FILE", nargs="?", help="a scheme file, or the name of a shipped scheme")
     audit.add_argument("--all", action="store_true", help="audit every shipped scheme instead, as one table")
+    fuzz = command.plain("fuzz", "random interfaces, each judged by independent routes", file=False)
+    fuzz.add_argument("--count", type=_count, default=1000, metavar="N", help="how many (default: 1000)")
+    fuzz.add_argument("--seed", type=_place, default=0, metavar="S", help="what they are drawn from (default: 0)")
+    command.spread(fuzz)
+    fuzz.add_argument(
+        "--save", default=".", metavar="DIR", help="the folder for the minimal scheme of a disagreement (default: this)"
+    )
+    fuzz.add_argument("-o", action="append", default=[], metavar="OUT", dest="outputs", help=_TABLE_OUTPUT)
     march = command.parametrised("march", "growth per step observed in a march, beside what the modes predict")
     march.add_argument("--cells", type=_count, metavar="N", help="cells a side (default: as many as the modes need)")
     march.add_argument("--steps", type=_count, metavar="N", help="steps (default: as many as the growth needs)")
+    report = command.plain("report", "a page with pictures: all there is to say about a scheme", file=False, json=False)
+    report.add_argument("files", metavar="FILE", nargs="*", help="scheme files, or names of shipped schemes")
+    report.add_argument("--paper", action="store_true", help="the paper of Banks & Sjögreen redone, instead")
+    report.add_argument("-o", metavar="DIR", dest="folder", required=True, help="the folder for the page and its data")
+    report.add_argument(
+        "--format",
+        action="append",
+        default=[],
+        choices=("html", "md", "tex", "json"),
+        dest="formats",
+        help="what to write (default: html; may be repeated)",
+    )
+    report.add_argument("--fresh", action="store_true", help="compute all anew, whatever an earlier run has kept")
     bench = command.plain("bench", "measure this program on this machine", file=False)
-    bench.add_argument("table", choices=("speed", "precision", "theorems", "stress"), help="what to measure")
+    bench.add_argument("table", choices=("speed", "precision", "theorems", "stress", "scale"), help="what to measure")
     bench.add_argument("-o", action="append", default=[], metavar="OUT", dest="outputs", help=_TABLE_OUTPUT)
     return top
 
 
-_TABLE_OUTPUT = "write to OUT instead, a .csv or .json file (may be repeated)"
+_PICTURE_OUTPUT = "write to OUT instead; its ending says what: .csv .json .png .svg .pdf (may be repeated)"
+_TABLE_OUTPUT = "write to OUT instead, a .csv or .json file; for precision .png .svg .pdf too (may be repeated)"
 
 
 def _count(text: str) -> int:
@@ -116,6 +166,11 @@ def _count(text: str) -> int:
     if not (text.isascii() and text.isdigit() and len(text) < 10 and int(text) > 0):
         raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from 1 to 999999999")
     return int(text)
+
+
+def _place(text: str) -> int:
+    """A whole number from 0; argparse turns the error into its message."""
+    return 0 if text.isascii() and text.isdigit() and not text.strip("0") else _count(text)
 
 
 def _seconds(text: str) -> float:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from time import perf_counter
 from typing import TYPE_CHECKING, Any, Protocol
 
 from gks.errors import InputError, quoted
@@ -13,6 +15,10 @@ if TYPE_CHECKING:
     from argparse import Namespace
 
     from gks.bounds.curve import Curve
+    from gks.bounds.curvemap import CurveMap
+    from gks.bounds.radius import RadiusMap
+    from gks.bounds.rootpaths import RootMap
+    from gks.modes.profile import Profile
 
 
 class Result(Protocol):
@@ -88,17 +94,84 @@ def _derive(arguments: Namespace) -> str:
 def _modes(arguments: Namespace) -> str:
     from gks.api import load
 
-    return _shown(load(arguments.file).modes(settings(arguments.settings)), arguments)
+    scheme, given = load(arguments.file), settings(arguments.settings)
+    return _shown(scheme.modes(given, limit=_limit(arguments), certify=arguments.certify), arguments)
+
+
+def _profile(arguments: Namespace) -> str:
+    from gks.api import load
+
+    writers = {path: _writer(path, draw=_draw_profile) for path in arguments.outputs}
+    scheme = load(arguments.file)
+    result = scheme.profile(settings(arguments.settings), mode=arguments.mode, cells=arguments.cells)
+    for path, write in writers.items():
+        write(result, path)
+    return "\n".join(writers) if writers and not arguments.json else _shown(result, arguments)
+
+
+def _roots(arguments: Namespace) -> str:
+    from gks.api import load
+
+    writers = {path: _writer(path, draw=_draw_roots) for path in arguments.outputs}
+    result = load(arguments.file).roots(settings(arguments.settings), sweep=arguments.sweep)
+    for path, write in writers.items():
+        write(result, path)
+    return "\n".join(writers) if writers and not arguments.json else _shown(result, arguments)
 
 
 def _curve(arguments: Namespace) -> str:
     from gks.api import load
 
     writers = {path: _writer(path) for path in arguments.outputs}  # refused, if at all, before the work is done
-    result = load(arguments.file).curve(settings(arguments.settings), sweep=arguments.sweep)
+    with _counted_to_a_terminal("points") as progress:
+        result = load(arguments.file).curve(
+            settings(arguments.settings),
+            sweep=arguments.sweep,
+            jobs=arguments.jobs,
+            scheduler=arguments.scheduler,
+            resume=arguments.resume,
+            progress=progress,
+            limit=_limit(arguments),
+            certify=arguments.certify,
+        )
     for path, write in writers.items():
         write(result, path)
     return "\n".join(writers) if writers and not arguments.json else _shown(result, arguments)
+
+
+def _limit(arguments: Namespace) -> float | None:
+    """The time limit asked for; without one, patience where it costs nothing."""
+    from gks.bounds.timelimit import PATIENCE, can_fork
+
+    given: float | None = arguments.limit
+    return PATIENCE if given is None and can_fork() else given
+
+
+@contextmanager
+def _counted_to_a_terminal(things: str) -> Iterator[Callable[[int, int], None] | None]:
+    """Progress on standard error where someone is looking: a line written over, gone at the end however that comes."""
+    if not sys.stderr.isatty():
+        yield None
+        return
+    start = shown = perf_counter()
+
+    def told(done: int, total: int) -> None:
+        nonlocal shown
+        now = perf_counter()
+        if now - shown > PAUSE:
+            shown = now
+            left = (now - start) * (total - done) / max(done, 1)
+            print(f"\r\x1b[K{done} of {total} {things}, about {left:.0f} s left", end="", file=sys.stderr, flush=True)
+
+    try:
+        yield told
+    finally:
+        if shown > start:
+            print("\r\x1b[K", end="", file=sys.stderr, flush=True)
+
+
+PAUSE = 0.3
+"""Seconds between two lines of progress; what takes less shows none."""
 
 
 def _prove(arguments: Namespace) -> str:
@@ -153,9 +226,10 @@ def _audit(arguments: Namespace) -> str:
         if arguments.file is not None:
             raise InputError(f"both --all and {quoted(arguments.file)}", mend="leave one of the two out")
         from gks.bounds.audit import audit_catalogue
+        from gks.bounds.proof import checked_region
         from gks.solvers.march import march
 
-        return _shown(audit_catalogue(march, progress=_said_to_a_terminal), arguments)
+        return _shown(audit_catalogue(march, checked_region, _said_to_a_terminal), arguments)
     if arguments.file is None:
         raise InputError("nothing to audit", expected="expected FILE or --all")
     from gks.api import load
@@ -177,20 +251,65 @@ def _march(arguments: Namespace) -> str:
     return _shown(scheme.march(given, cells=arguments.cells, steps=arguments.steps), arguments)
 
 
-def _bench(arguments: Namespace) -> str:
-    from gks.reports.bench import bench
+def _report(arguments: Namespace) -> str:
+    from gks.reports.command import report_pages
+
+    pages = report_pages(
+        arguments.files, arguments.folder, arguments.formats, paper=arguments.paper, fresh=arguments.fresh
+    )
+    return "\n".join(pages)
+
+
+def _fuzz(arguments: Namespace) -> str:
+    from gks.campaigns.executors import workers
+    from gks.campaigns.fuzz import fuzz
+    from gks.campaigns.rate import Rate
+    from gks.files import write_text
 
     writers = {path: _writer(path, (".csv", ".json")) for path in arguments.outputs}
-    table = bench(arguments.table, _said_to_a_terminal)
+    if not os.path.isdir(arguments.save):
+        raise InputError(f"no folder {quoted(arguments.save)}", path="--save", mend="make it first")
+    with workers(arguments.jobs, arguments.scheduler) as staff:
+        result = fuzz(arguments.count, arguments.seed, staff, arguments.resume, Rate("schemes"))
+    for name, text in result.minimal_schemes().items():
+        write_text(os.path.join(arguments.save, name), text)
+    for path, write in writers.items():
+        write(result, path)
+    return "\n".join(writers) if writers and not arguments.json else _shown(result, arguments)
+
+
+def _bench(arguments: Namespace) -> str:
+    from gks.reports.bench import PICTURED, bench, save_picture
+
+    name: str = arguments.table
+    endings = (".csv", ".json", *((".png", ".svg", ".pdf") if name in PICTURED else ()))
+
+    def draw(table: Any, path: str) -> None:
+        save_picture(name, table, path)
+
+    writers = {path: _writer(path, endings, draw) for path in arguments.outputs}
+    table = bench(name, _said_to_a_terminal)
     for path, write in writers.items():
         write(table, path)
     return "\n".join(writers) if writers and not arguments.json else _shown(table, arguments)
 
 
+LONGEST_NAME = 200
+"""Bytes of an output file's name: file systems allow 255, and its draft beside it has a longer one."""
+
+
 def _writer(
-    path: str, endings: Sequence[str] = (".csv", ".json", ".png", ".svg", ".pdf")
+    path: str,
+    endings: Sequence[str] = (".csv", ".json", ".png", ".svg", ".pdf"),
+    draw: Callable[[Any, str], None] | None = None,
 ) -> Callable[[Any, str], None]:
-    """What writes a result to a file of that name, by its ending; InputError if nothing does or there is no folder."""
+    """What writes a result to a file of that name, by its ending; InputError if nothing does or there is no folder.
+
+    ``draw`` makes a picture of it, unless it is a curve.
+    """
+    if "\0" in path or len(os.fsencode(os.path.basename(path))) > LONGEST_NAME:
+        expected = f"expected a name of at most {LONGEST_NAME} bytes"
+        raise InputError(f"-o {quoted(path)} can't name a file", expected=expected)
     ending = os.path.splitext(path)[1].lower()
     if ending not in endings:
         found = f"nothing is written as {quoted(ending)}" if ending else "its name has no ending"
@@ -202,7 +321,7 @@ def _writer(
     if os.path.isdir(path):
         raise InputError(f"-o {quoted(path)} is a folder", expected="expected the name of a file")
     writers: dict[str, Callable[[Any, str], None]] = {".csv": _write_csv, ".json": _write_json}
-    return writers.get(ending, _draw)
+    return writers.get(ending, _draw if draw is None else draw)
 
 
 def _write_csv(result: Tabular, path: str) -> None:
@@ -217,10 +336,22 @@ def _write_json(result: Result, path: str) -> None:
     write_text(path, json_text(result) + "\n")
 
 
-def _draw(curve: Curve, path: str) -> None:
-    from gks.reports.figures import save_curve
+def _draw(result: Curve | CurveMap | RadiusMap, path: str) -> None:
+    from gks.reports.maps import save
 
-    save_curve(curve, path)
+    save(result, path)
+
+
+def _draw_profile(profile: Profile, path: str) -> None:
+    from gks.reports.profiles import save_profile
+
+    save_profile(profile, path)
+
+
+def _draw_roots(found: RootMap, path: str) -> None:
+    from gks.reports.rootmaps import save_rootmap
+
+    save_rootmap(found, path)
 
 
 _COMMANDS: dict[str, Callable[[Namespace], str]] = {
@@ -228,10 +359,14 @@ _COMMANDS: dict[str, Callable[[Namespace], str]] = {
     "new": _new,
     "derive": _derive,
     "modes": _modes,
+    "profile": _profile,
+    "roots": _roots,
     "curve": _curve,
     "prove": _prove,
     "check": _check,
     "audit": _audit,
     "march": _march,
+    "fuzz": _fuzz,
     "bench": _bench,
+    "report": _report,
 }

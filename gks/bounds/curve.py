@@ -7,7 +7,7 @@ another scheme, is found by itself (`gks.bounds.point`).
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from time import perf_counter
@@ -194,7 +194,8 @@ def sweep_points(
         done += len(block) - len(open_)
         left = [block[k] for k in open_]
         others: list[CurvePoint] = []
-        for value, one in zip(left, one_by_one(scheme, values, over.name, left, limit=limit, certify=certify), strict=True):
+        rest = one_by_one(scheme, values, over.name, left, limit=limit, certify=certify)
+        for value, one in zip(left, rest, strict=True):
             if isinstance(one, InputError):
                 faults.append(one)
                 one = flagged(value, str(one))

@@ -70,9 +70,10 @@ class Columns(PointSequence):
         if index in self.others:
             return self.others[index]
         stable = self.found.stable
-        top, by, error = (column[index] for column in self._columns)
+        tops, bys, errors = self._columns
         ends = zip(stable.lo[index].tolist(), stable.hi[index].tolist(), strict=True)
-        return _point(self.parameter[index], top, by, list(ends)[: int(stable.count[index])], error)
+        spans = list(ends)[: int(stable.count[index])]
+        return _point(self.parameter[index], tops[index], bys[index], spans, errors[index])
 
     def __iter__(self) -> Iterator[CurvePoint]:
         stable = self.found.stable
@@ -108,11 +109,8 @@ class Columns(PointSequence):
 
     def rows(self) -> Iterator[Row]:
         """As `Points.rows`."""
-        for k, (value, *rest) in enumerate(zip(self.parameter, *self._columns, strict=True)):
-            if k in self.others:
-                yield _row(self.others[k])
-            else:
-                yield number(value), *rest
+        for k, (value, top, by, error) in enumerate(zip(self.parameter, *self._columns, strict=True)):
+            yield _row(self.others[k]) if k in self.others else (number(value), top, by, error)
 
     def lam_max(self) -> NDArray[np.float64]:
         """As `Points.lam_max`."""

@@ -286,11 +286,11 @@ def _exceptions(piece: Piece) -> dict[str, list[Edge]]:
 def _on_bound_latex(piece: Piece, name: str | None) -> str:
     if piece.at_bound is None:
         return ""
-    others = [
-        rf"	ext{{{verdict} at }} {latex_name(name or '')} = {r' 	ext{ and } '.join(edge.latex for edge in edges)}"
-        for verdict, edges in _exceptions(piece).items()
-    ]
-    return r",\; ".join([rf"	ext{{on the bound {piece.at_bound}}}", *others])
+    others = []
+    for verdict, edges in _exceptions(piece).items():
+        places = r" \text{ and } ".join(edge.latex for edge in edges)
+        others.append(rf"\text{{{verdict} at }} {latex_name(name or '')} = {places}")
+    return r",\; ".join([rf"\text{{on the bound {piece.at_bound}}}", *others])
 
 
 def _sets_latex(piece: Piece, lam: str) -> str:

@@ -44,8 +44,11 @@ class Candidate:
     multiplicity: int
     position: Position
     """Of z relative to the unit circle."""
-    on_some_sheet: bool = False
-    """Whether sigma is known to make the determinant vanish for some choice of the spatial roots."""
+    sheets: tuple[frozenset[int], ...] = ()
+    """Sets of families, for each of which a factor of the determinant that has their roots alone is known to vanish at
+    sigma for some choice of them."""
+    images: int = 1
+    """How many times z is an image of sigma under the integrator's map."""
 
 
 @dataclass(frozen=True, slots=True)

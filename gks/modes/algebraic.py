@@ -86,24 +86,73 @@ class Isolation:
 
     def __init__(self, poly: fmpz_poly) -> None:
         self.poly = poly
-        self._bits = START_BITS
-        self._balls = _root_balls(poly, START_BITS)
+        self._balls: dict[int, Sequence[acb]] = {START_BITS: _root_balls(poly, START_BITS)}
+        self._fine: dict[tuple[int, int], acb] = {}
+        self._derivative = poly.derivative()
 
     def balls(self, bits: int) -> Sequence[acb]:
-        """Disjoint balls in fixed order, radius at most ``2**-bits`` times the larger of the two components."""
-        if bits > self._bits:
-            # At least doubling keeps the total cost of many small requests at that of the last one.
-            wanted = max(bits, 2 * self._bits)
-            matched = None
+        """Disjoint balls in fixed order, radius at most ``2**-bits`` times the larger of the two components.
+
+        They depend on the polynomial and ``bits`` alone: an isolation is shared by all who ask for it, and no printed
+        digit may tell what was asked before.
+        """
+        # Doubling keeps the total cost of many small requests at that of the last one.
+        level = START_BITS
+        while level < bits:
+            level *= 2
+        if level not in self._balls:
+            wanted, matched = level, None
             while matched is None:
-                fresh = _root_balls(self.poly, wanted)
-                matched = _in_the_order_of(self._balls, fresh)
+                matched = _in_the_order_of(self._balls[START_BITS], _root_balls(self.poly, wanted))
                 wanted *= 2
-            self._bits, self._balls = wanted // 2, matched  # wanted was doubled once too often
-        return self._balls
+            self._balls[level] = matched
+        return self._balls[level]
+
+    def ball(self, index: int, bits: int) -> acb:
+        """One of the balls as sharp as that: past the first precision it is refined by itself."""
+        if bits <= START_BITS:
+            return self._balls[START_BITS][index]
+        fine = self._fine.get((index, bits))
+        if fine is None:
+            fine = self._refined(self._balls[START_BITS][index], bits)
+            if fine is None:
+                return self.balls(bits)[index]
+            self._fine[index, bits] = fine
+        return fine
+
+    def _refined(self, ball: acb, bits: int) -> acb | None:
+        return newton_refined(ball, bits, lambda x: (self.poly(x), self._derivative(x)))
 
     def __len__(self) -> int:
-        return len(self._balls)
+        return len(self._balls[START_BITS])
+
+
+def newton_refined(ball: acb, bits: int, values: Callable[[acb], tuple[acb, acb]]) -> acb | None:
+    """A part of ``ball`` that holds its root, to ``bits`` relative bits, by the interval Newton method.
+
+    ``ball`` holds exactly one root of a function f; ``values`` encloses f and f' over a ball at the precision in force.
+    For any m in the ball the root lies in m - f(m)/f'(ball) as well. None where these do not contract.
+    """
+    known, spare = ball.rel_accuracy_bits(), GUARD_BITS
+    while known < bits:
+        with ctx.workprec(min(2 * known, bits) + spare):
+            middle = ball.mid()
+            value, slope = values(middle)[0], values(ball)[1]
+            if slope.contains(0):
+                return None
+            step = middle - value / slope
+        found = step.rel_accuracy_bits()
+        if found > known and ball.contains(step):
+            ball, known = step, found
+        else:  # what rounding f(m) loses: the logarithm of its terms' size over its own
+            spare *= 2
+            if spare > LOST_BITS * (bits + GUARD_BITS):
+                return None
+    return ball
+
+
+LOST_BITS = 4
+"""Bits lost to rounding, over those asked for, at which refining by itself is given up; only speed depends on it."""
 
 
 def _root_balls(poly: fmpz_poly, bits: int) -> list[acb]:
@@ -183,7 +232,7 @@ class Root:
 
     def ball(self, bits: int = START_BITS) -> acb:
         """A ball with this root and no other root of ``poly``, relative radius at most ``2**-bits``."""
-        return self._isolation.balls(bits)[self.index]
+        return self._isolation.ball(self.index, bits)
 
     @cached_property
     def is_real(self) -> bool:

@@ -5,7 +5,7 @@
 - s under a Runge-Kutta method: z = 1/w and lam*s one of the roots mu of R(mu) = z. The set abs(R) > 1 is connected (R
   has no pole, so by the maximum principle each of its components reaches infinity), and a product over all the roots mu
   is a function of w that has no branch points.
-- s for the semi-discrete problem: lam*s = (1 + w)/(1 - w), which takes the disc to Re s >= 0.
+- s for the semi-discrete problem: lam*s = (1 - w)/(1 + w), which takes the disc to Re s >= 0 and w = 1 to s = 0.
 
 The point at infinity is a point like any other, since values of lam*s (or z) are quotients a/b: a polynomial of degree
 d in the variable is evaluated as sum_i c_i a**i b**(d-i). The pair (a, b) is analytic for abs(w) < 1 and has no common
@@ -59,7 +59,7 @@ class Chart:
         if self.method is None:
             return one, w
         if self.method.kind == "exact":
-            return one + w, one - w
+            return one - w, one + w
         if self.method.kind == "multistep":
             table = powers(w, self.method.steps + 1)[::-1]
             return _polynomial(self.method.rho, table), _polynomial(self.method.sigma, table)
@@ -90,7 +90,7 @@ class Chart:
         if self.method is None:
             return 1 / w
         if self.method.kind == "exact":
-            return (1 + w) / (1 - w)
+            return (1 - w) / (1 + w)
         if self.method.kind == "multistep":
             return _at(self.method.rho, 1 / w) / _at(self.method.sigma, 1 / w)
         return stage
@@ -111,7 +111,7 @@ class Chart:
     def growth_at(self, w: acb) -> acb:
         """The growth factor at a ball of w."""
         if self.method is not None and self.method.kind == "exact":
-            return ((1 + w) / (1 - w)).exp()
+            return ((1 - w) / (1 + w)).exp()
         return 1 / w
 
 

@@ -42,7 +42,7 @@ def clear_of_modes(eliminated: LamElimination, lam: Root) -> bool:
     while bits <= CLEAR_BITS:
         with ctx.workprec(bits + GUARD_BITS):
             at = {each: root.ball(bits) for each, root in {**irrational, name: lam}.items()}
-            if all(_clear(problem, factor, at) for factor in moved):
+            if all(clear_factor(problem, factor, at) for factor in moved):
                 return True
         bits *= 2
     return False
@@ -54,7 +54,8 @@ def _is_root(lam: Root, polynomials: Iterable[fmpz_poly]) -> bool:
     return any(not each % minimal for each in polynomials)
 
 
-def _clear(problem: NormalModeProblem, factor: fmpz_mpoly, at: Mapping[str, acb]) -> bool:
+def clear_factor(problem: NormalModeProblem, factor: fmpz_mpoly, at: Mapping[str, acb]) -> bool:
+    """Whether balls prove that no zero of one factor of the norm is a mode with abs(z) >= 1 at a point."""
     zeros = _roots(factor, problem.variable, at)
     return zeros is not None and all(_harmless(problem, {**at, problem.variable: sigma}) for sigma in zeros)
 
@@ -70,21 +71,41 @@ def _roots(polynomial: fmpz_mpoly, variable: str, at: Mapping[str, acb]) -> Sequ
         return None
 
 
-def _harmless(problem: NormalModeProblem, at: Mapping[str, acb]) -> bool:
-    """Whether a zero of the norm has all its z inside, or belongs to another choice of spatial roots."""
+def decaying_factor(problem: NormalModeProblem, factor: fmpz_mpoly, at: Mapping[str, acb]) -> bool:
+    """Whether balls prove that a mode with abs(z) >= 1 from one factor of the norm would decay in space strictly."""
+    zeros = _roots(factor, problem.variable, at)
+    return zeros is not None and all(
+        _is_inner(problem, here) or _inside(problem, here) is not None
+        for here in ({**at, problem.variable: sigma} for sigma in zeros)
+    )
+
+
+def _is_inner(problem: NormalModeProblem, at: Mapping[str, acb]) -> bool:
+    """Whether all z of a zero of the norm are inside the circle."""
     images = [at["z"]] if problem.time_map is None else _roots(problem.time_map, "z", at)
-    if images is None:
-        return False
-    if all(abs(z) < 1 for z in images):
-        return True
+    return images is not None and all(abs(z) < 1 for z in images)
+
+
+def _inside(problem: NormalModeProblem, at: Mapping[str, acb]) -> list[list[acb]] | None:
+    """The decaying spatial roots of each family; None where one may be on the circle, or the count is not theirs."""
     per_family = []
     for family in problem.families:
         found = _roots(family.polynomial, "x", at)
         if found is None or not all(abs(x) < 1 or abs(x) > 1 for x in found):
-            return False
+            return None
         inside = [x for x in found if abs(x) < 1]
         if len(inside) != family.decaying:
-            return False
+            return None
         per_family.append(inside)
+    return per_family
+
+
+def _harmless(problem: NormalModeProblem, at: Mapping[str, acb]) -> bool:
+    """Whether a zero of the norm has all its z inside, or belongs to another choice of spatial roots."""
+    if _is_inner(problem, at):
+        return True
+    per_family = _inside(problem, at)
+    if per_family is None:
+        return False
     roots = [[acb(0)] * block.zeros + per_family[block.family] for block in problem.blocks]
     return ball_rank(kreiss_matrix_at(problem, at, roots)) == problem.size

@@ -29,7 +29,7 @@ from flint import acb, fmpz_mpoly
 from gks.modes.admissible import Admissible, Candidate, crossing_slopes, outward, point_of
 from gks.modes.algebraic import Root
 from gks.modes.coupled import CoupledField, System, ValueField, trial_vectors
-from gks.modes.fibre import FibreRoot, VanishesIdentically, at_balls, fibre, is_zero, vanishes
+from gks.modes.fibre import FibreRoot, at_balls, is_zero, vanishes
 from gks.modes.field import Field
 from gks.modes.height import conjugate_heights, norm_bits
 from gks.modes.kreiss import NormalModeProblem, Term, closure_rows, newton_columns
@@ -59,23 +59,6 @@ def regular_problem(
     rows = closure_rows(problem.scheme, problem.lowest, fields, problem.coefficients, problem.resolvent)
     blocks = tuple(replace(block, field=field) for field, block in zip(fields, problem.blocks, strict=True))
     return replace(problem, rows=tuple(rows), blocks=blocks)
-
-
-def foreign(problem: NormalModeProblem, candidate: Candidate) -> bool:
-    """Whether the determinant of a coupled problem vanishes at a candidate for a reason of its own: some c does, at any
-    spatial root.
-    """
-    point = point_of(problem, candidate)
-    for block in problem.blocks:
-        if isinstance(block.field, CoupledField):
-            zeros = [Root.of(0)] if block.zeros else []
-            try:
-                roots = [each.root for each in fibre(point, problem.families[block.family].polynomial, "x")]
-            except VanishesIdentically:
-                return True
-            if any(block.field.vanishes(point, root) for root in zeros + roots):
-                return True
-    return False
 
 
 def _regular_field(field: CoupledField, point: Mapping[str, Root], roots: Sequence[Root]) -> CoupledField | None:

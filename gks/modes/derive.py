@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from math import lcm
+from math import lcm, log10
+
+from flint import fmpz_mpoly
 
 from gks.errors import NotAnalysable
 from gks.modes.coefficients import Coefficients, Ratio
@@ -15,6 +17,7 @@ from gks.modes.polynomial import Degenerate, Factor, characteristic_factors
 from gks.modes.printing import latex_name, polynomial_latex, polynomial_text
 from gks.modes.resolvent import Resolvent
 from gks.scheme.integrators import Integrator
+from gks.scheme.limits import MAX_DIGITS
 from gks.scheme.model import Scheme
 
 SAMPLE = Fraction(1)
@@ -71,6 +74,14 @@ def derive(scheme: Scheme, values: Mapping[str, Fraction]) -> Derivation:
     return _derivation(problem, factors)
 
 
+def _require_printable(polynomial: fmpz_mpoly) -> None:
+    """NotAnalysable for coefficients of more digits than a number that is read may have."""
+    longest = max((abs(int(c)).bit_length() for c in polynomial.coeffs()), default=0) * log10(2)
+    if longest > MAX_DIGITS:
+        found = f"the characteristic polynomial has coefficients of {int(longest)} digits"
+        raise NotAnalysable(found, expected=f"{MAX_DIGITS} are the most that are printed", mend="take shorter numbers")
+
+
 def _derivation(problem: NormalModeProblem, factors: Sequence[Factor]) -> Derivation:
     coefficients, resolvent = problem.coefficients, problem.resolvent
     names = {coefficients.variable(p.name): p.name for p in problem.scheme.parameters}
@@ -81,7 +92,7 @@ def _derivation(problem: NormalModeProblem, factors: Sequence[Factor]) -> Deriva
         mapped = list(factors)
         text, latex = f"z = {variable}", f"z = {latex_name(variable)}"
     else:
-        speed = _common_speed(problem)
+        speed = common_speed(problem)
         if speed is not None:
             letter, variable = "x", _free("r", taken)
             mapped = [
@@ -102,6 +113,7 @@ def _derivation(problem: NormalModeProblem, factors: Sequence[Factor]) -> Deriva
     product = coefficients.context.constant(1)
     for factor in mapped:
         product *= factor.polynomial**factor.multiplicity
+    _require_printable(product)
     texts = tuple(_power(polynomial_text(f.polynomial, names, letter), f.multiplicity) for f in mapped)
     return Derivation(
         problem.scheme,
@@ -140,7 +152,7 @@ def _one(coefficients: Coefficients) -> Ratio:
     return coefficients.number(Fraction(1))
 
 
-def _common_speed(problem: NormalModeProblem) -> Ratio | None:
+def common_speed(problem: NormalModeProblem) -> Ratio | None:
     """c where every decaying solution is r**(-n) with s = c (r - 1): first-order upwinding at one speed."""
     coefficients = problem.coefficients
     speeds = []

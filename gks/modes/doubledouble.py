@@ -9,6 +9,7 @@ powers of two. Errors, with u = 2**-53 and in absolute value:
 - add, sub: at most 3 u**2 (|a| + |b|)
 - mul: at most 8 u**2 |a b|
 - div: at most 16 u**2 |a / b|
+- sqrt: at most 16 u**2 of the root
 
 as long as nothing underflows (a product below 2**-968 loses its low part).
 """
@@ -85,6 +86,12 @@ class Real:
         first = self.hi / other.hi
         rest = self - other * Real(first, np.zeros_like(first))
         return Real(*_fast_two_sum(first, (rest.hi + rest.lo) / other.hi))
+
+    def sqrt(self) -> Real:
+        """Of a positive number: one Newton step from the root in doubles, with the exact residual."""
+        root = np.sqrt(self.hi)
+        square, low = two_prod(root, root)
+        return Real(*_fast_two_sum(root, ((self.hi - square) - low + self.lo) / (2 * root)))
 
     def times(self, power_of_two: Array) -> Real:
         """Exact scaling (short of under- and overflow)."""

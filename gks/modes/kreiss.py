@@ -52,6 +52,13 @@ class Number(Protocol):
 N = TypeVar("N", bound=Number)
 
 
+class Enclosed(Protocol):
+    """A number known by balls."""
+
+    def ball(self, bits: int, /) -> acb:
+        """A ball around it, of relative radius at most ``2**-bits``."""
+
+
 @dataclass(frozen=True, slots=True)
 class Family:
     """The spatial roots shared by all fields with one symbol.
@@ -338,7 +345,7 @@ def kreiss_matrix(
 
 
 def closure_matrix(
-    problem: NormalModeProblem, point: Mapping[str, Root], roots: Sequence[Sequence[Root]], bits: int
+    problem: NormalModeProblem, point: Mapping[str, Root], roots: Sequence[Sequence[Enclosed]], bits: int
 ) -> list[list[acb]]:
     """The Kreiss matrix in balls at the working precision; each block's columns in the order of its roots."""
     at = {name: root.ball(bits) for name, root in point.items()}

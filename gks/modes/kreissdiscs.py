@@ -124,12 +124,9 @@ class Region:
         """Which roots lie in the discs of the decaying ones (branches * N, n), and whether all are told for certain."""
         mine = self.roots[family]
         branches = len(mine.discs.mid)
-        gap = np.abs(
-            found.centre.reshape(branches, -1, found.centre.shape[1])[:, :, :, None] - mine.discs.mid[:, None, None, :]
-        )
-        within = gap + found.cover.reshape(branches, -1, found.centre.shape[1])[:, :, :, None] <= (
-            mine.discs.rad[:, None, None, :] * (2 - UP)
-        )
+        each = (branches, len(found.centre) // branches, found.centre.shape[1])
+        gap = np.abs(found.centre.reshape(each)[:, :, :, None] - mine.discs.mid[:, None, None, :])
+        within = gap + found.cover.reshape(each)[:, :, :, None] <= mine.discs.rad[:, None, None, :] * (2 - UP)
         decaying = within[..., : mine.decaying].any(axis=-1)
         other = within[..., mine.decaying :].any(axis=-1)
         shape = found.centre.shape
@@ -175,7 +172,7 @@ def patch(
     shape = (branches, points)
     factors = 1 + np.where(valid, change, np.inf).reshape(shape)
     total = factors.prod(axis=0) * (1 + PRODUCT * branches) - 1
-    begin = Start(stages, tuple(x.reshape(branches, points, -1).transpose(1, 0, 2) for x in spatial))
+    begin = Start(stages, tuple(x.reshape(branches, points, x.shape[1]).transpose(1, 0, 2) for x in spatial))
     return Patch(
         phase.reshape(shape).sum(axis=0), log.reshape(shape).T, total,
         relative.reshape(shape).min(axis=0), begin,
@@ -203,6 +200,9 @@ def region_of(tables: DiscTables, chart: Chart, disc: Discs, node: complex) -> R
         mixed = found.joined & (inside[:, :, None] != inside[:, None, :])
         if not certain.all() or mixed.any() or (inside.sum(axis=1) != symbol.decaying).any():
             return None
+        # Where a decaying root passes x = oo Delta has a pole, which a winding number would count against its zeros.
+        if symbol.turn and not ((np.abs(found.centre) * UP + found.cover)[inside] < (2 - UP) / abs(symbol.turn)).all():
+            return None
         order = np.argsort(~inside, axis=1, kind="stable")
         branch = np.arange(len(order))[:, None]
         chosen.append(RegionRoots(Discs(found.centre, found.cover)[branch, order], symbol.decaying))
@@ -211,7 +211,7 @@ def region_of(tables: DiscTables, chart: Chart, disc: Discs, node: complex) -> R
 
 def _by_branch(x: ComplexArray) -> ComplexArray:
     """(N, branches, n) as (branches * N, n)."""
-    return x.transpose(1, 0, 2).reshape(-1, x.shape[2])
+    return x.transpose(1, 0, 2).reshape(x.shape[0] * x.shape[1], x.shape[2])
 
 
 def homogeneous(pair: tuple[Ring, Ring], degree: int) -> Ring:

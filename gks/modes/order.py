@@ -1,60 +1,263 @@
 """The multiplicity of a normal mode: the order to which Delta itself vanishes, where the norm vanishes to a higher one.
 
 The norm is the product of Delta over all choices of spatial roots, and counts the zeros of every choice. Where the
-choice of the decaying roots is analytic near the point, its derivative decides: a nonzero one, in balls, proves a
-simple zero. What that does not prove keeps the norm's count, an upper bound.
+choice of the admissible roots is analytic near the point, the zeros of its own determinant in a small disc are counted;
+and the only one in there is the mode, where the disc keeps clear of the other roots of the norm.
+
+*Analytic.* Over the disc the spatial roots lie in Smith's discs (`gks.modes.rootdiscs`), as many in each group of
+overlapping ones as the group has discs. Groups that hold admissible roots alone, or none, at the centre keep the choice
+apart: it continues analytically, through collisions within a group too, since Delta depends on a group's roots
+symmetrically.
+
+*Counted.* With B a bound of Delta in abs(t) < R and q = r/R, N values on abs(t) = r give by Fourier's sum
+
+    a_j = c_j r**j,     j < N,     up to B q**(j + N) / (1 - q**N),
+
+c_j the coefficients of Taylor's series (Cauchy's estimate of what is folded back). By Rouché's theorem there are k
+zeros in abs(t) < s r, s < 1, where abs(a_k) s**k exceeds the other terms and B (q s)**N / (1 - q s), what is left.
+
+What that does not prove keeps the norm's count, an upper bound.
 """
 
 from __future__ import annotations
 
-from flint import acb, ctx
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
 
-from gks.modes.admissible import Candidate, point_of
-from gks.modes.algebraic import GUARD_BITS, Position, Root
-from gks.modes.coefficients import value_ball
-from gks.modes.enclosure import NotEnclosed, SpatialRoots, delta, spatial_roots
-from gks.modes.fibre import fibre, is_zero
-from gks.modes.kreiss import NormalModeProblem
-from gks.modes.tables import ball_tables
+from flint import acb, acb_mat, acb_poly, arb, ctx, fmpz_mpoly, fmpz_poly
 
-BITS = 80
-"""Precision of the derivative, that of the roots printed: a slope that these bits do not tell from 0 is taken for 0."""
+from gks.modes.admissible import Candidate, admissible, point_of
+from gks.modes.algebraic import GUARD_BITS, START_BITS, isolation
+from gks.modes.coupled import CoupledField
+from gks.modes.fibre import at_balls, fibre
+from gks.modes.fibre import coefficients as powers_of
+from gks.modes.kreiss import Family, NormalModeProblem, kreiss_matrix, longest, newton_columns
+from gks.modes.spatialballs import NotTold, ball_space
+from gks.modes.undecided import Undecided
+
+DISCS = 24
+"""Discs tried, each a quarter of the one before: down to 1e-14 of the distance to the next root of the norm."""
+VALUES = 32
+"""Values of Delta on a circle: what folds back is 8**-32 = 1e-29 of the bound."""
+INNER = 8
+"""R/r."""
 
 
-def multiplicity(problem: NormalModeProblem, candidate: Candidate) -> int:
-    """How many times a mode off the unit circle counts; the norm's multiplicity where that is not told."""
-    if candidate.multiplicity == 1 or problem.coupled or candidate.position is Position.ON or candidate.z is None:
+class _Open(ArithmeticError):
+    """The choice of the admissible roots is not kept apart, or Delta not from 0."""
+
+
+def multiplicity(problem: NormalModeProblem, candidate: Candidate, rivals: Sequence[fmpz_poly]) -> int:
+    """How many times a normal mode counts; the norm's multiplicity where that is not told.
+
+    ``rivals`` are square-free polynomials that have all zeros of the norm among their roots.
+    """
+    if candidate.multiplicity == 1:
+        return 1
+    try:
+        order = _order(problem, candidate, rivals)
+    except (_Open, NotTold, Undecided):
         return candidate.multiplicity
-    if problem.time_map is not None and is_zero(
-        {**point_of(problem, candidate), "z": candidate.z}, problem.time_map.derivative("z")
-    ):
-        return candidate.multiplicity
-    return 1 if _simple(problem, candidate) else candidate.multiplicity
+    return order * candidate.images
 
 
-def _simple(problem: NormalModeProblem, candidate: Candidate) -> bool:
-    """Whether Delta's derivative is not zero, the decaying roots being apart from the others and all of them inside."""
-    tables = ball_tables(problem, BITS)
-    with ctx.workprec(BITS + GUARD_BITS):
-        mu = candidate.sigma.ball(BITS)
-        if problem.variable == "s":
-            mu *= value_ball(problem.coefficients.values[problem.resolvent.cfl], BITS)
-        roots: list[SpatialRoots] = []
-        for family, symbol in zip(problem.families, tables.symbols, strict=True):
-            every = fibre(point_of(problem, candidate), family.polynomial, "x")
-            inside = [r.root for r in every if r.position is Position.INSIDE for _ in range(r.multiplicity)]
-            others = [r.root for r in every if r.position is not Position.INSIDE for _ in range(r.multiplicity)]
-            if len(inside) != symbol.decaying or symbol.turn or len(inside) + len(others) != len(symbol.powers) - 1:
-                return False
+def _order(problem: NormalModeProblem, candidate: Candidate, rivals: Sequence[fmpz_poly]) -> int:
+    """The order of Delta at the candidate as a function of the problem's variable."""
+    labels = _labelled(problem, candidate)
+    clear = _distance(candidate, rivals)
+    for _ in range(DISCS):
+        clear = (clear / 4).mid()
+        # Delta is as small as a power of the radius, which is as sharp as the balls have to be to show it.
+        bits = 4 * START_BITS + candidate.multiplicity * max(0, -_exponent(clear))
+        with ctx.workprec(bits + GUARD_BITS):
             try:
-                roots.append(spatial_roots(symbol, mu, [_near(r) for r in inside + others]))
-            except (NotEnclosed, ZeroDivisionError, OverflowError):
-                return False
-        try:
-            return not delta(tables, mu, roots).slope.contains(0)
-        except NotEnclosed:
-            return False
+                return _Disc(problem, candidate, clear, bits, labels).zeros()
+            except _Open:
+                pass
+    raise _Open
 
 
-def _near(root: Root) -> complex:
-    return complex(acb(root.ball(64)))
+def _exponent(value: arb) -> int:
+    mantissa, exponent = value.man_exp()
+    return int(exponent) + int(mantissa).bit_length()
+
+
+def _distance(candidate: Candidate, rivals: Sequence[fmpz_poly]) -> arb:
+    """A positive number at most the distance to the next root of the rivals, and at most abs(sigma), or 1 for 0."""
+    bits = START_BITS
+    while True:
+        with ctx.workprec(bits + GUARD_BITS):
+            here = candidate.sigma.ball(bits)
+            near = abs(here).abs_lower() if here != 0 else arb(1)
+            for polynomial in rivals:
+                balls = isolation(polynomial).balls(bits)
+                meeting = [k for k, ball in enumerate(balls) if ball.overlaps(here)]
+                mine = meeting[0] if len(meeting) == 1 and _shares(polynomial, candidate) else -1
+                near = min([near, *((ball - here).abs_lower() for k, ball in enumerate(balls) if k != mine)])
+            if near > 0:
+                return near
+        bits *= 2
+
+
+def _shares(polynomial: fmpz_poly, candidate: Candidate) -> bool:
+    """Whether the candidate is a root of the polynomial: its irreducible one divides that."""
+    return not polynomial % candidate.sigma.minimal.poly
+
+
+# The spatial roots at the centre --------------------------------------------------------------------------------------
+
+_Labels = Sequence[tuple[acb, bool]]
+"""Balls around all spatial roots of a family, and whether each is admissible."""
+
+
+def _labelled(problem: NormalModeProblem, candidate: Candidate) -> list[_Labels]:
+    """_Open where not as many are admissible as decay outside the circle, or only some of the branches at a root."""
+    try:
+        space = ball_space(problem, candidate)
+    except NotTold:
+        return [_exactly_labelled(problem, candidate, family) for family in problem.families]
+    if any(len(mine) != family.decaying for mine, family in zip(space.inside, problem.families, strict=True)):
+        raise _Open
+    return [[(r.ball(), r in mine) for r in each] for each, mine in zip(space.all, space.inside, strict=True)]
+
+
+def _exactly_labelled(problem: NormalModeProblem, candidate: Candidate, family: Family) -> _Labels:
+    found = admissible(problem, family, candidate)
+    if found.count != family.decaying or any(count != root.multiplicity for root, count in found.limiting):
+        raise _Open
+    mine = [*found.inside, *(root for root, _ in found.limiting)]
+    return [(each.ball(), each in mine) for each in fibre(point_of(problem, candidate), family.polynomial, "x")]
+
+
+# The disc -------------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class _Group:
+    """A ball with exactly ``size`` spatial roots over a set of the variable; whether they are the admissible ones."""
+
+    ball: acb
+    size: int
+    admissible: bool
+
+
+class _Disc:
+    """Delta over the disc of a given radius round a candidate."""
+
+    def __init__(
+        self, problem: NormalModeProblem, candidate: Candidate, radius: arb, bits: int, labels: Sequence[_Labels]
+    ) -> None:
+        self.problem, self.radius, self.bits = problem, radius, bits
+        self.centre = candidate.sigma.ball(bits).mid()
+        self._at = {name: root.ball(bits) for name, root in problem.coefficients.point().items()}
+        self._symbols = [[self._polynomial(c) for c in powers_of(f.polynomial, "x")] for f in problem.families]
+        self._weights = {id(t.coefficient): self._polynomial(t.coefficient) for row in problem.rows for t in row}
+        everywhere, aside = radius * acb(arb(0, 1), arb(0, 1)), radius * acb(0.375, 0.25)
+        self._regions = [
+            _joined(_inclusions(symbol, everywhere, aside), known)
+            for symbol, known in zip(self._symbols, labels, strict=True)
+        ]
+        self._require_columns(self.centre + everywhere)
+
+    def _polynomial(self, poly: fmpz_mpoly) -> acb_poly:
+        """A coefficient as a polynomial in what the problem's variable is off the centre."""
+        name = self.problem.variable
+        return acb_poly([at_balls(c, {**self._at, name: acb(0)}) for c in powers_of(poly, name)])(
+            acb_poly([self.centre, 1])
+        )
+
+    def _require_columns(self, everywhere: acb) -> None:
+        """_Open where a coupled field may miss a solution somewhere in the disc."""
+        at: Mapping[str, acb] = {**self._at, self.problem.variable: everywhere}
+        for block in self.problem.blocks:
+            if isinstance(block.field, CoupledField):
+                roots = [g.ball for g in self._regions[block.family] if g.admissible] + [acb(0)] * bool(block.zeros)
+                if any(all(at_balls(c, {**at, "x": x}).contains(0) for c in block.field.column) for x in roots):
+                    raise _Open
+
+    def zeros(self) -> int:
+        """The number of zeros of Delta in a smaller disc round the same centre, which is one of them."""
+        q = arb(1) / INNER
+        bound = self._bound()
+        angles = [acb(2 * k) / VALUES for k in range(VALUES)]
+        values = [self._delta(self.radius * q * angle.exp_pi_i()) for angle in angles]
+        folded = bound * q**VALUES / (1 - q**VALUES)
+        sizes = []
+        for j in range(VALUES):
+            total = sum((v * (-j * angle).exp_pi_i() for v, angle in zip(values, angles, strict=True)), acb(0))
+            sizes.append(abs(total / VALUES) + folded * q**j * arb(0, 1))
+        for halved in range(1, self.bits):
+            s = arb(1) / 2**halved
+            terms = [size * s**j for j, size in enumerate(sizes)]
+            rest = sum(terms, bound * (q * s) ** VALUES / (1 - q * s))
+            for k, term in enumerate(terms):
+                if k and term > rest - term:
+                    return k
+        raise _Open
+
+    def _bound(self) -> arb:
+        """Hadamard's bound of Delta in the disc."""
+        product = arb(1)
+        for row in self._matrix(self.radius * acb(arb(0, 1), arb(0, 1)), self._regions):
+            product *= sum((entry.abs_upper() ** 2 for entry in row), arb(0)).sqrt().upper()
+        if not product.is_finite():
+            raise _Open
+        return product
+
+    def _delta(self, point: acb) -> acb:
+        """Delta at a point of the disc."""
+        groups = [
+            _joined(_inclusions(symbol, point, point), [(g.ball, g.admissible) for g in regions])
+            for symbol, regions in zip(self._symbols, self._regions, strict=True)
+        ]
+        matrix = self._matrix(point, groups)
+        return acb_mat(matrix).det() if matrix else acb(1)
+
+    def _matrix(self, where: acb, groups: Sequence[Sequence[_Group]]) -> list[list[acb]]:
+        """The Kreiss matrix over a ball, from the groups of spatial roots over it, a family each."""
+        roots = [[g.ball for g in mine if g.admissible for _ in range(g.size)] for mine in groups]
+        columns = [
+            newton_columns([acb(0)] * b.zeros + roots[b.family], longest(self.problem.rows, k), acb(0), acb(1))
+            for k, b in enumerate(self.problem.blocks)
+        ]
+        return kreiss_matrix(self.problem.rows, columns, lambda c: self._weights[id(c)](where), acb(0))
+
+
+def _inclusions(symbol: Sequence[acb_poly], where: acb, point: acb) -> list[acb]:
+    """Smith's discs for the spatial roots over a ball of the variable, round those at one of its points."""
+    polynomial = acb_poly([c(where) for c in symbol])
+    try:
+        centres = [root.mid() for root in acb_poly([c(point).mid() for c in symbol]).roots()]
+    except ValueError:  # FLINT did not isolate them
+        raise _Open from None
+    degree = len(symbol) - 1
+    found = []
+    for k, x in enumerate(centres):
+        apart = acb(1)
+        for other in centres[:k] + centres[k + 1 :]:
+            apart *= x - other
+        radius = (degree * abs(polynomial(x) / (polynomial[degree] * apart))).upper()
+        if len(centres) != degree or not radius.is_finite():
+            raise _Open
+        found.append(x + radius * acb(arb(0, 1), arb(0, 1)))
+    return found
+
+
+def _joined(discs: Sequence[acb], known: _Labels) -> list[_Group]:
+    """Overlapping discs as one group each, labelled by the known balls that they meet; _Open where these differ."""
+    groups: list[_Group] = []
+    for disc in discs:
+        joined = _Group(disc, 1, admissible=False)
+        while near := [g for g in groups if g.ball.overlaps(joined.ball)]:
+            groups = [g for g in groups if g not in near]
+            for each in near:
+                joined = _Group(joined.ball.union(each.ball), joined.size + each.size, admissible=False)
+        groups.append(joined)
+    return [replace(group, admissible=_label(group.ball, known)) for group in groups]
+
+
+def _label(ball: acb, known: Collection[tuple[acb, bool]]) -> bool:
+    labels = {label for other, label in known if other.overlaps(ball)}
+    if len(labels) != 1:
+        raise _Open
+    return labels.pop()

@@ -42,7 +42,8 @@ PRECISIONS = (96, 192, 384, 768)
 class Found:
     """A zero of Delta: its growth factor in a ball, its multiplicity, its spatial roots (decaying, by family).
 
-    ``proved``: the ball holds exactly that many zeros. ``w`` is its place in the chart.
+    ``proved``: the ball holds exactly that many zeros. ``w`` is its place in the chart, ``mu`` the value of lam*s (or
+    z) at a simple zero.
     """
 
     w: complex
@@ -50,6 +51,7 @@ class Found:
     multiplicity: int
     roots: tuple[tuple[acb, ...], ...]
     proved: bool
+    mu: acb | None = None
 
 
 class Polisher:
@@ -73,7 +75,7 @@ class Polisher:
         found: list[Found] = []
         left = []
         for w in places:
-            zero = self._simple(complex(w), region)
+            zero = self.simple(complex(w), region)
             if zero is None or any(zero.z.overlaps(other.z) for other in found):
                 left.append(complex(w))
             else:
@@ -110,7 +112,7 @@ class Polisher:
                 break
         return w
 
-    def _simple(self, w: complex, region: Region | None) -> Found | None:
+    def simple(self, w: complex, region: Region | None) -> Found | None:
         """A simple zero, proved; None where the proof fails."""
         mu, hints = self._hints(w, region)
         found = None
@@ -121,7 +123,7 @@ class Polisher:
                     z = self.chart.growth(zero.mu, w)
                 except NotEnclosed:
                     return found
-                found = Found(w, z, 1, kappas(self.balls(bits), zero.roots), self._stays(zero, region))
+                found = Found(w, z, 1, kappas(self.balls(bits), zero.roots), self._stays(zero, region), zero.mu)
                 if abs(z) > 1 or abs(z) < 1:
                     return found
         return found

@@ -38,10 +38,15 @@ class Degenerate(ArithmeticError):
 
 @dataclass(frozen=True, slots=True)
 class Factor:
-    """An irreducible factor of the characteristic polynomial, with its multiplicity there."""
+    """An irreducible factor of the characteristic polynomial, with its multiplicity there.
+
+    Delta is a product of parts that each depend on the roots of some families; ``sheets`` are the sets of families of
+    the parts whose norm has the factor: at each of its zeros that part vanishes for some choice of their roots.
+    """
 
     polynomial: fmpz_mpoly
     multiplicity: int
+    sheets: tuple[frozenset[int], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,7 +78,9 @@ class Elimination:
 def characteristic_factors(problem: NormalModeProblem) -> Elimination:
     """Eliminates the spatial roots.
 
-    What Delta has as a factor on every sheet is split off first, so that the norm does not count it once a sheet.
+    Delta is split into parts that depend on the roots of some families alone, so that the norm does not count the zeros
+    of one part once for every choice that another has: what every sheet shares, what two half-lines that the closure
+    does not tie have by themselves.
     Raises TooWide, and Degenerate where the determinant is zero as a formula.
     """
     if problem.size > ELIMINATION_SIZE:
@@ -84,14 +91,46 @@ def characteristic_factors(problem: NormalModeProblem) -> Elimination:
     delta = symbolic_determinant(problem, carriers)
     if delta.is_zero():
         raise Degenerate
-    common = _free_of(delta, [name for carrier in carriers for name in carrier.variables])
-    norm = _norm(delta / common, carriers)
-    lost = norm.is_zero()
-    if lost:
-        norm = _norm_of_the_rest(delta / common, carriers)
-    repeats = prod(factorial(len(carrier.variables)) for carrier in carriers)
+    parts, lost = [], False
+    for part, families in _separated(delta, carriers):
+        mine = [carriers[k] for k in sorted(families)]
+        norm = _norm(part, mine)
+        if norm.is_zero():
+            lost, norm = True, _norm_of_the_rest(part, mine)
+        parts.append(_Part(norm, prod(factorial(len(carrier.variables)) for carrier in mine), families))
     leads = [carrier.monic[-1] for carrier in carriers if carrier.monic is not None]
-    return _sorted_out(problem, ((common, 1), (norm, repeats)), leads, lost)
+    return _sorted_out(problem, parts, leads, lost)
+
+
+@dataclass(frozen=True, slots=True)
+class _Part:
+    """The norm of a part of Delta, which counts every zero ``repeats`` times, and the families whose roots it has."""
+
+    norm: fmpz_mpoly
+    repeats: int
+    families: frozenset[int]
+
+
+def _separated(delta: fmpz_mpoly, carriers: Sequence[_Carrier]) -> list[tuple[fmpz_mpoly, frozenset[int]]]:
+    """Factors of Delta, each with the families whose variables it holds."""
+    parts = [delta]
+    for carrier in carriers:
+        split = []
+        for part in parts:
+            free = _free_of(part, carrier.variables)
+            split += [each for each in (free, part / free) if not each.is_constant()]
+        parts = split
+    found: dict[frozenset[int], fmpz_mpoly] = {}
+    for part in parts:
+        families = frozenset(k for k, c in enumerate(carriers) if _holds(part, c.variables))
+        found[families] = found[families] * part if families in found else part
+    return [(part, families) for families, part in found.items()]
+
+
+def _holds(polynomial: fmpz_mpoly, variables: Sequence[str]) -> bool:
+    names = polynomial.context().names()
+    degrees = polynomial.degrees()
+    return any(degrees[names.index(name)] for name in variables)
 
 
 def _free_of(polynomial: fmpz_mpoly, variables: Sequence[str]) -> fmpz_mpoly:
@@ -100,6 +139,8 @@ def _free_of(polynomial: fmpz_mpoly, variables: Sequence[str]) -> fmpz_mpoly:
     for name in variables:
         parts = [part for each in parts for part in powers_of(each, name) if not part.is_zero()]
     common = polynomial.context().constant(0)
+    if len(parts) == 1:
+        return polynomial
     for part in sorted(parts, key=len):
         common = common.gcd(part)
         if common.is_constant():
@@ -211,25 +252,25 @@ def _norm_of_the_rest(delta: fmpz_mpoly, carriers: Sequence[_Carrier]) -> fmpz_m
     factor of the norm so far and the next relation would not do: a sheet that is lost may be tied to one that is not,
     as k_2 = 1/k_1 beside k_2 = -k_1.)
     """
-    used = sum(len(carrier.variables) for carrier in carriers)
-    if used == KAPPA_VARIABLES:
+    used = {name for carrier in carriers for name in carrier.variables}
+    t = next((name for k in range(KAPPA_VARIABLES) if (name := f"k{k}") not in used), None)
+    if t is None:
         raise TooWide(f"the elimination would carry more than {KAPPA_VARIABLES - 1} spatial roots beside a lost one")
     context = delta.context()
-    t = f"k{used}"
     norm = _norm(delta + context.gen(context.variable_to_index(t)), carriers)
     return next(part for part in powers_of(norm, t) if not part.is_zero())
 
 
 def _sorted_out(
-    problem: NormalModeProblem, parts: Sequence[tuple[fmpz_mpoly, int]], leads: Sequence[fmpz_mpoly], lost: bool
+    problem: NormalModeProblem, parts: Sequence[_Part], leads: Sequence[fmpz_mpoly], lost: bool
 ) -> Elimination:
     """The factors of the parts, each of which counts every zero of Delta so many times."""
     sigma = problem.coefficients.context.names().index(problem.variable)
     foreign = [f for lead in leads if (f := problem.coefficients.norm(lead)).degrees()[sigma]]
     found: dict[str, Factor] = {}
     idle: dict[str, fmpz_mpoly] = {}
-    for part, repeats in parts:
-        norm = problem.coefficients.norm(part)
+    for part in parts:
+        norm = problem.coefficients.norm(part.norm)
         if norm.is_zero():
             raise Degenerate
         for polynomial, power in irreducible_factors(norm):
@@ -237,8 +278,9 @@ def _sorted_out(
                 idle[str(polynomial)] = polynomial
                 continue
             known = found.get(str(polynomial))
-            multiplicity = max(1, power // repeats) + (known.multiplicity if known else 0)
-            found[str(polynomial)] = Factor(polynomial, multiplicity)
+            multiplicity = max(1, power // part.repeats) + (known.multiplicity if known else 0)
+            sheets = (*(known.sheets if known else ()), part.families)
+            found[str(polynomial)] = Factor(polynomial, multiplicity, () if lost else sheets)
     own: list[Factor] = []
     clearing: list[Factor] = []
     for factor in found.values():

@@ -6,6 +6,8 @@
 2. *Ehrlich-Aberth* iteration in double precision, from Bini's starting points.
 3. *Polish and inclusion* with double-double residuals (`gks.modes.inclusion`).
 
+Real polynomials of degree 1 and 2 have formulas (`gks.modes.quadratics`); what these leave open goes the same way.
+
 A point where the disks meet (a multiple root, or a pair closer than double-double arithmetic tells), where the leading
 coefficient is zero or where anything is not finite comes back with `resolved` False: it is never guessed.
 """
@@ -17,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from gks.modes.doubledouble import UNIT, Array, Complex, ComplexArray
+from gks.modes.doubledouble import UNIT, Array, Complex, ComplexArray, Real, two_sum
 from gks.modes.inclusion import (
     FAR,
     ROUNDED_UP,
@@ -31,6 +33,7 @@ from gks.modes.inclusion import (
     size_above,
     size_below,
 )
+from gks.modes.quadratics import quadratic_roots
 
 MAX_DEGREE = 16
 
@@ -109,6 +112,11 @@ def roots(
     size = max(_CHUNK // degree, 1)
     rest = np.flatnonzero(~zero)
     with np.errstate(all="ignore"):  # what overflows becomes nan and is flagged
+        if degree <= 2 and exponent is None and not (np.iscomplexobj(hi) or np.iscomplexobj(low)):
+            for start in range(0, len(rest), size):
+                index = rest[start : start + size]
+                _by_formula(result, index, hi[index].real, low[index].real, blur[index])
+            rest = rest[~result.resolved[rest]]
         for start in range(0, len(rest), size):
             index = rest[start : start + size]
             _chunk(result, index, hi[index].T, low[index].T, power[index].T, blur[index].T)
@@ -130,6 +138,16 @@ def _with_root_zero(
         other = roots(hi[index, 1:], lo[index, 1:], power[index, 1:], error[index, 1:])
         result.hi[index, 1:], result.lo[index, 1:] = other.hi, other.lo
         result.radius[index, 1:], result.resolved[index] = other.radius, other.resolved
+
+
+def _by_formula(result: Roots, index: NDArray[np.intp], hi: Array, lo: Array, error: Array) -> None:
+    """Those of degree 1 or 2, where the formulas prove their errors."""
+    terms = [Real(*two_sum(high, low)) for high, low in zip(hi.T, lo.T, strict=True)]
+    found = quadratic_roots(terms, list(error.T))
+    good = found.good & np.isfinite(found.hi + found.lo + found.radius).all(axis=0)
+    place = index[good]
+    result.hi[place], result.lo[place] = found.hi[:, good].T, found.lo[:, good].T
+    result.radius[place], result.resolved[place] = found.radius[:, good].T, True
 
 
 def _chunk(
@@ -210,13 +228,17 @@ def _horner(terms: ComplexArray, x: ComplexArray) -> tuple[ComplexArray, Complex
 
 
 def _aberth(scaled: Scaled, start: ComplexArray) -> ComplexArray:
-    """Ehrlich-Aberth from the starting points, in units of 2**exponent, to about double precision."""
+    """Ehrlich-Aberth from the starting points, in units of 2**exponent, to about double precision.
+
+    A point's roots are those of the step at which it is done, however long others take: they depend on it alone.
+    """
     result = start.copy()
     terms, x = scaled.terms.hi, start
     first, second = np.triu_indices(len(start), 1)
     distance = np.clip(scaled.exponent[second] - scaled.exponent[first], -FAR, FAR)
     ratio = np.ldexp(1.0, distance)  # x_j in the units of root i, for the pairs i < j
     active = np.arange(start.shape[1])
+    open_ = np.ones(start.shape[1], bool)
     for _ in range(_ABERTH_STEPS):
         value, slope = _horner(terms, x)
         inverse = reciprocal(x[first] - x[second] * ratio)
@@ -227,12 +249,16 @@ def _aberth(scaled: Scaled, start: ComplexArray) -> ComplexArray:
         correction = value / (slope - value * attraction)
         x = x - correction
         going = (size_above(correction) > _ABERTH_DONE * size_above(x)).any(axis=0)  # nan compares false: it stops
-        if not going.any():
-            break
-        if 2 * np.count_nonzero(going) < len(active):
-            result[:, active[~going]] = x[:, ~going]
-            active, x, terms, ratio = active[going], x[:, going], terms[..., going], ratio[..., going]
-    result[:, active] = x
+        done = open_ & ~going
+        result[:, active[done]] = x[:, done]
+        open_ = open_ & going
+        left = np.count_nonzero(open_)
+        if not left:
+            return result
+        if 2 * left < len(active):
+            active, x, terms, ratio = active[open_], x[:, open_], terms[..., open_], ratio[..., open_]
+            open_ = np.ones(left, bool)
+    result[:, active[open_]] = x[:, open_]
     return result
 
 

@@ -12,8 +12,13 @@ four points (144 choices, 16 equations) take it minutes, and the count of zeros 
 
 def beyond_elimination(problem: NormalModeProblem) -> bool:
     """Whether counting zeros is the cheaper route by far."""
+    return elimination_work(problem) > ELIMINATION_WORK
+
+
+def elimination_work(problem: NormalModeProblem) -> int:
+    """Choices of spatial roots times equations."""
     choices = 1
     for family in problem.families:
         for k in range(min(family.decaying, family.degree - family.decaying)):
             choices *= family.degree - k
-    return choices * problem.size > ELIMINATION_WORK
+    return choices * problem.size

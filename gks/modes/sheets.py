@@ -2,13 +2,13 @@
 
 At a root sigma of the norm some choice (sheet) vanishes: the norm is the product over all of them, and no leading
 coefficient is zero there. If balls keep the determinant of every other choice away from 0, the one that is left
-vanishes,
-exactly, at a precision far below what a bound on algebraic numbers would ask for.
+vanishes, exactly, at a precision far below what a bound on algebraic numbers would ask for. Where the norm is that of a
+factor of the determinant with the roots of some families alone, the choices that differ in these are all there are.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from itertools import combinations, product
 
 from flint import ctx
@@ -29,14 +29,18 @@ Choice = tuple[tuple[Root, ...], ...]
 
 def only_vanishing(problem: NormalModeProblem, candidate: Candidate, mine: Choice) -> bool:
     """Whether all choices but ``mine`` are proved not to vanish; False proves nothing."""
-    if not candidate.on_some_sheet or problem.coefficients.generators:
+    if not candidate.sheets or problem.coefficients.generators:
         return False
     if any(not _leads(problem, candidate, family) for family in problem.families):
         return False
     point = point_of(problem, candidate)
     wanted = _key(mine)
-    return all(
-        _key(choice) == wanted or _never_vanishes(problem, point, choice) for choice in _choices(problem, candidate)
+    return any(
+        all(
+            _key(choice) == wanted or _never_vanishes(problem, point, choice)
+            for choice in _choices(problem, candidate, mine, families)
+        )
+        for families in candidate.sheets
     )
 
 
@@ -65,10 +69,16 @@ def _leads(problem: NormalModeProblem, candidate: Candidate, family: Family) -> 
         return not at_balls(lead, at).contains(0)
 
 
-def _choices(problem: NormalModeProblem, candidate: Candidate) -> Iterator[Choice]:
+def _choices(
+    problem: NormalModeProblem, candidate: Candidate, mine: Choice, families: Collection[int]
+) -> Iterator[Choice]:
+    """Every choice that may differ from ``mine`` in the families given."""
     per_family: list[Sequence[tuple[Root, ...]]] = []
     point = point_of(problem, candidate)
-    for family in problem.families:
+    for k, family in enumerate(problem.families):
+        if k not in families:
+            per_family.append([mine[k]])
+            continue
         roots = [r.root for r in fibre(point, family.part, "x") for _ in range(r.multiplicity)]
         distinct = {_key((choice,)): choice for choice in combinations(roots, family.decaying)}
         per_family.append(list(distinct.values()))

@@ -20,6 +20,7 @@ from flint import acb, ctx
 from gks.modes.algebraic import GUARD_BITS, Root
 from gks.modes.chart import Chart, chart_of
 from gks.modes.exactpoint import ExactPoint, exact_point, rational_candidate
+from gks.modes.inner import just_inside
 from gks.modes.kreiss import NormalModeProblem
 from gks.modes.numerals import ComplexNumber, midpoint, modulus_of, radius_of, text_real
 from gks.modes.pockets import Circle, Pocket, circled
@@ -38,9 +39,13 @@ thousand times the rounding error of a determinant of moderate size."""
 
 @dataclass(slots=True)
 class WideModes:
-    """The modes with abs(z) >= 1 and those found just inside, whether that is proved, and what stayed open."""
+    """The modes with abs(z) >= 1 and those found just inside, whether that is proved, and what stayed open.
+
+    ``places`` says where each of the modes was found: a polished zero, or 1 or -1 judged exactly.
+    """
 
     modes: list[Mode] = field(default_factory=list)
+    places: list[Found | int] = field(default_factory=list)
     certified: bool = True
     doubts: list[str] = field(default_factory=list)
 
@@ -49,8 +54,11 @@ class VanishingDeterminant(ArithmeticError):
     """Delta is zero to rounding all along the circle."""
 
 
-def wide_modes(problem: NormalModeProblem) -> WideModes:
-    """Counts, finds and proves the normal modes; VanishingDeterminant where Delta seems to be identically zero."""
+def wide_modes(problem: NormalModeProblem, *, inner: bool = False) -> WideModes:
+    """Counts, finds and proves the normal modes; VanishingDeterminant where Delta seems to be identically zero.
+
+    With ``inner`` those just inside the circle are looked for as well, which has no part in the proof.
+    """
     tables, chart = disc_tables(problem), chart_of(problem)
     circle = circled(tables, chart)
     if circle.walk.relative.max(initial=0.0) < DEGENERATE:
@@ -61,6 +69,8 @@ def wide_modes(problem: NormalModeProblem) -> WideModes:
         search.pocket(pocket)
     for w in _unsettled(circle):
         search.doubt(f"whether a mode lies near z = {1 / w:.6g} is open: spatial roots meet there")
+    if inner:
+        search.inner()
     return search.result
 
 
@@ -101,13 +111,25 @@ class _Search:
         ]
         self._take(_with_mirrors(found), count, "with abs(z) > 1")
 
+    def inner(self) -> None:
+        """Modes just inside the circle that no pocket held."""
+        known = [place.z for place in self.result.places if not isinstance(place, int)]
+        for each in _with_mirrors(just_inside(self.polisher)):
+            if not any(each.z.overlaps(other) for other in known):
+                self.result.modes.append(_mode(self.problem, each, ModeKind.DECAYING))
+                self.result.places.append(each)
+
     def pocket(self, pocket: Pocket) -> None:
         """The zeros in a pocket, and for one off the real axis those in its mirror image."""
         count = pocket.count
+        if count < 0:
+            self.doubt(f"the number of modes near z = {1 / pocket.centre:.6g} was not found")
+            return
         exact = None if pocket.centre.imag or not count else self._exact(round(pocket.centre.real), count)
         where = f"near z = {1 / pocket.centre:.6g}"
         if exact is not None:
             self.result.modes.append(_exact_mode(self.problem, exact, round(pocket.centre.real)))
+            self.result.places.append(round(pocket.centre.real))
         # The moments about the centre of a pocket do not see the zeros that are the centre.
         left = count - (exact.order if exact is not None else 0)
         near = seeds(pocket.walk, pocket.centre, pocket.radius, count) if left else []
@@ -139,11 +161,17 @@ class _Search:
         for each in found:
             kind = _kind(each.z)
             if kind is None:
-                distance = text_real(radius_of(each.z))
+                distance = text_real(radius_of(each.z)) if each.z.is_finite() else "any distance"
                 self.doubt(f"a mode {where} is not told from abs(z) = 1, to within {distance}")
                 continue
+            if kind is ModeKind.GROWING and not each.proved:
+                self.doubt(f"a growing mode {where}, z = {complex(each.z):.6g}, was seen and not proved")
+                continue
             self.result.certified &= each.proved
+            if kind is ModeKind.DECAYING and not all(abs(x) < 1 for roots in each.roots for x in roots):
+                continue  # a zero across the circle whose spatial part has ceased to decay is no mode
             self.result.modes.append(_mode(self.problem, each, kind))
+            self.result.places.append(each)
         number = sum(each.multiplicity for each in found)
         if number != count:
             self.doubt(f"{count} zeros of the determinant were counted {where} and {number} found")
@@ -174,7 +202,8 @@ def _mirrored(found: Found) -> Found:
     """The conjugate zero."""
     with ctx.workprec(PRECISIONS[-1]):
         roots = tuple(tuple(x.conjugate() for x in family) for family in found.roots)
-        return Found(found.w.conjugate(), found.z.conjugate(), found.multiplicity, roots, found.proved)
+        mu = None if found.mu is None else found.mu.conjugate()
+        return Found(found.w.conjugate(), found.z.conjugate(), found.multiplicity, roots, found.proved, mu)
 
 
 # Output ---------------------------------------------------------------------------------------------------------------

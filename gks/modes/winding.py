@@ -158,7 +158,7 @@ def walk(
     while len(pending.piece):
         taken += len(pending.piece)
         disc, node = _cover(pieces, pending)
-        found = patch(tables, chart, disc, node, start, region)
+        found = _patches(tables, chart, disc, node, start, region)
         passed = found.change <= RIGHT_ANGLE
         small = disc.rad < 2 * smallest if taken < STEPS else np.ones(len(passed), bool)
         stuck += [complex(w) for w in node[~passed & small]]
@@ -168,6 +168,25 @@ def walk(
         pending = pending.take(open_).divided()
         start = found.start.take(np.repeat(open_, 2))
     return _ordered(pieces, done, stuck)
+
+
+MOST_BYTES = 100_000_000
+"""Memory that the arrays of one batch of discs may take, roughly."""
+COPIES = 24
+"""Arrays of the size of a batch's matrices that live at once: values and slopes, midpoints and radii, products."""
+
+
+def _patches(
+    tables: DiscTables, chart: Chart, disc: Discs, node: ComplexArray, start: Start | None, region: Region | None
+) -> Patch:
+    """As `patch`, in portions that fit in memory."""
+    matrix = tables.size * sum(tables.longest)
+    roots = sum(symbol.powers.mid.shape[1] ** 2 for symbol in tables.symbols)
+    portion = max(1, MOST_BYTES // (16 * COPIES * chart.branches * (matrix + roots)))
+    if len(node) <= portion:
+        return patch(tables, chart, disc, node, start, region)
+    places = [np.arange(k, min(k + portion, len(node))) for k in range(0, len(node), portion)]
+    return Patch.join([patch(tables, chart, disc[at], node[at], start and start.take(at), region) for at in places])
 
 
 def _first(pieces: Sequence[Piece]) -> _Steps:
@@ -217,8 +236,8 @@ def seeds(found: Walk, centre: complex, radius: float, count: int) -> list[compl
     """
     if not count:
         return []
-    u = (found.node - centre) / radius
-    logs = found.continuous
+    known = np.isfinite(found.log)  # a node of a step that was given up may be a zero itself
+    u, logs = (found.node[known] - centre) / radius, found.continuous[known]
     if found.closed:
         u, logs = np.append(u, u[0]), np.append(logs, logs[0] + 2j * pi * count)
     else:

@@ -17,8 +17,9 @@ from gks.modes import ModesResult, Verdict, analyse
 from gks.scheme.model import Scheme
 from gks.scheme.operators import discrete_stencil, stencil
 from gks.scheme.schemefile import parse_scheme
+from tests.modes.rewritings import mirrored, moved, renamed, reordered, scaled
 from tests.oracle.finite_matrix import growing_modulus
-from tests.strategies import Draft, Equation, Line, Term, drafts, scalar_drafts
+from tests.strategies import Draft, Line, Term, drafts, scalar_drafts
 
 FEW = settings(max_examples=12, suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much])
 CLOSE = 1e-14
@@ -56,51 +57,28 @@ def same(one: Draft, other: Draft) -> None:
         assert np.all(difference <= CLOSE * sizes)
 
 
-@given(
-    drafts(),
-    st.lists(st.sampled_from(["-7/3", "1e-40", "10**30", "(2 + lam)", "1/(lam**2 + 1)"]), min_size=4, max_size=4),
-)
+FACTORS = ["-7/3", "1e-40", "10**30", "(2 + lam)", "1/(lam**2 + 1)"]
+
+
+@given(drafts(), st.lists(st.sampled_from(FACTORS), min_size=4, max_size=4))
 @FEW
 def test_scaling_an_equation_changes_nothing(draft: Draft, factors: Sequence[str]) -> None:
-    def scaled(equations: tuple[Equation, ...]) -> tuple[Equation, ...]:
-        return tuple(
-            tuple(replace(t, coefficient=f"({t.coefficient})*{factor}") for t in equation)
-            for equation, factor in zip(equations, list(factors) * 2, strict=False)
-        )
-
-    lines = tuple(replace(line, interior=scaled(line.interior)) for line in draft.lines)
-    same(draft, replace(draft, lines=lines, closure=scaled(draft.closure)))
+    same(draft, scaled(draft, factors))
 
 
 @given(drafts())
 @FEW
 def test_names_change_nothing(draft: Draft) -> None:
-    """The names chosen are those of the analyser's own variables."""
-    names = {"u": "kappa", "s": "z", "L": "x", "R": "k0"}
-    renamed = draft.on_terms(
-        lambda t: replace(
-            t, unknown=names[t.unknown], domain=names[t.domain], coefficient=t.coefficient.replace("lam", "q0")
-        )
-    )
-    lines = tuple(
-        replace(line, name=names[line.name], unknowns=tuple(names[u] for u in line.unknowns)) for line in renamed.lines
-    )
-    same(draft, replace(renamed, lines=lines, cfl="q0"))
+    same(draft, renamed(draft))
 
 
 @given(drafts())
 @FEW
 def test_the_mirror_image_is_as_stable(draft: Draft) -> None:
     """x -> -x: sides swap, indices and fluxes change sign, kappa becomes 1/kappa."""
-    turned = draft.on_terms(lambda t: replace(t, index=-t.index))
-    sides = {"left": "right", "right": "left"}
-    lines = tuple(
-        replace(line, side=sides[line.side], flux=tuple(tuple(f"-({a})" for a in row) for row in line.flux))
-        for line in turned.lines
-    )
-    mirrored = replace(turned, lines=lines)
-    same(draft, mirrored)
-    for one, other in zip(judged(draft).modes, judged(mirrored).modes, strict=True):
+    image = mirrored(draft)
+    same(draft, image)
+    for one, other in zip(judged(draft).modes, judged(image).modes, strict=True):
         for name, kappas in one.kappa.items():
             mine = sorted((abs(complex(*map(float, k))) for k in kappas), reverse=True)
             theirs = sorted(abs(complex(*map(float, k))) for k in other.kappa[name])
@@ -110,17 +88,13 @@ def test_the_mirror_image_is_as_stable(draft: Draft) -> None:
 @given(drafts())
 @FEW
 def test_the_order_of_domains_and_equations_changes_nothing(draft: Draft) -> None:
-    same(draft, replace(draft, lines=draft.lines[::-1], closure=draft.closure[::-1]))
+    same(draft, reordered(draft))
 
 
 @given(drafts(), st.integers(-3, 4))
 @FEW
 def test_where_the_cells_start_to_count_changes_nothing(draft: Draft, by: int) -> None:
-    """`first` and every absolute index move together; offsets in interiors stay."""
-    move = {line.name: by if line.side == "right" else -by for line in draft.lines}
-    closure = tuple(tuple(replace(t, index=t.index + move[t.domain]) for t in equation) for equation in draft.closure)
-    lines = tuple(replace(line, first=line.first + by) for line in draft.lines)
-    same(draft, replace(draft, lines=lines, closure=closure))
+    same(draft, moved(draft, by))
 
 
 @given(scalar_drafts(), st.sampled_from([-3, -1, 1, 5]))

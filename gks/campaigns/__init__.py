@@ -1,0 +1,1 @@
+"""Long runs over many points or schemes: in chunks, on any executor, checkpointed, and the same whatever ran them."""
