@@ -38,7 +38,7 @@ CELLS = 12
 """Cells a side of the finite matrix: fewer would not tell a mode from a far end."""
 BISECTIONS = 20
 """Spectral radii for one lam_max: an error of 1e-6, ten digits short of the other ways."""
-POINTS = 400
+POINTS = 2000
 """Independent points of a wide stencil, judged in one call."""
 DISTANCE = Fraction(1, 10**12)
 """From neutral, relative to the parameter."""

@@ -55,7 +55,6 @@ class BatchSet:
     stable: Intervals
     interior_limit: Array
 
-
     def open_points(self) -> list[int]:
         """Those that the batch did not resolve."""
         return [int(k) for k in np.flatnonzero(~self.stable.resolved)]

@@ -40,6 +40,8 @@ VANISHING = 1e-9
 cancellation in the determinant and for spatial roots that are close together."""
 
 
+SETTLED = 2.0**-48
+"""Steps of Newton's method in (tau, v) below which rounding moves them."""
 NOISE = 2.0**-44
 """abs(Delta) below which its sign is rounding: (1 - kappa)**3 of an extrapolation is 1e-18 at lam = 1e-6."""
 
@@ -107,6 +109,8 @@ def _at_end(delta: Delta, axis: _Axis, z: float) -> list[float] | None:
         return None
     turned = (np.sign(heights[1:]) != np.sign(heights[:-1])) & np.isfinite(heights[1:] * heights[:-1])
     changes = np.flatnonzero(turned & (np.maximum(np.abs(heights[1:]), np.abs(heights[:-1])) > NOISE))
+    if not len(changes):
+        return []
     a, b = v[changes], v[changes + 1]
     side = np.sign(heights[changes])
     for _ in range(60):
@@ -187,7 +191,7 @@ def _polished(delta: Delta, axis: _Axis, centres: NDArray[np.float64]) -> tuple[
         return delta(_z(at[:, 0]), axis.lam(at[:, 1]))
 
     at, step = centres.copy(), 1e-6
-    for _ in range(30):
+    for _ in range(30):  # most boxes are there in five; from one that holds no zero the steps wander off
         here = value(at)
         ahead = [(value(at + step * e) - value(at - step * e)) / (2 * step) for e in np.eye(2)]
         across = ahead[0].real * ahead[1].imag - ahead[0].imag * ahead[1].real
@@ -199,7 +203,10 @@ def _polished(delta: Delta, axis: _Axis, centres: NDArray[np.float64]) -> tuple[
                 ],
                 axis=1,
             )
-        at = at - np.clip(np.nan_to_num(move), -FIRST / 8, FIRST / 8)
+        move = np.clip(np.nan_to_num(move), -FIRST / 8, FIRST / 8)
+        at = at - move
+        if np.abs(move).max() < SETTLED:
+            break
     # A zero that Newton's method left is another box's; one at an end of theta is the ends' own.
     near = np.abs(at - centres).max(axis=1) < FIRST / 4
     found = near & (np.abs(value(at)) < VANISHING) & (np.abs(at[:, 0]) < REACH)

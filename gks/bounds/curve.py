@@ -262,9 +262,7 @@ def _one(
         return fault
 
 
-def _batched(
-    scheme: Scheme, values: Mapping[str, Fraction], over: Sweep, at: Sequence[Point] | None
-) -> Batch | None:
+def _batched(scheme: Scheme, values: Mapping[str, Fraction], over: Sweep, at: Sequence[Point] | None) -> Batch | None:
     from gks.bounds.batch import prepared, samples
 
     return prepared(scheme, values, over.name, samples(over.values) if at is None else at)

@@ -19,7 +19,8 @@ import numpy as np
 from flint import fmpz_mpoly
 from numpy.typing import NDArray
 
-from gks.bounds.sampled import Array, ComplexArray, Sampled, Values, all_roots, polynomial_of, sampled
+from gks.bounds.allroots import all_roots
+from gks.bounds.sampled import Array, ComplexArray, Sampled, Values, polynomial_of, sampled
 from gks.bounds.sweep import Sweep
 from gks.errors import InputError, NotAnalysable, ParameterError
 from gks.modes.algebraic import Root

@@ -8,11 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from flint import fmpz_mpoly
 from numpy.typing import NDArray
 
+from gks.bounds.allroots import all_roots
 from gks.modes.fibre import coefficients as powers_of
 from gks.modes.kreiss import NormalModeProblem, longest
 
@@ -22,6 +24,9 @@ ComplexArray = NDArray[np.complex128]
 ROUNDINGS = 16
 """A computed root is off by some roundings of the terms of its polynomial over the slope there: 16 of them for degrees
 up to 8, of which a few are seen."""
+CLEAR = 2.0**-20
+"""log(abs(kappa)) beyond which a root is on its side of the circle, whatever its rounding: that of a pair which far
+apart is a thousandth of it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -195,17 +200,28 @@ def _split(
     roots = all_roots(coefficients)
     if few in (0, roots.shape[1]):
         return roots[:, :few], roots[:, few:]
-    steps = np.stack([_derivative(terms).at(powers, points) for terms in family.powers], axis=1)
     with np.errstate(all="ignore"):
-        along = np.stack([_horner(steps, x) for x in roots.T], axis=1) * sigma[:, None]
-        across = np.stack([_horner_slope(coefficients, x) for x in roots.T], axis=1) * roots
-        size = np.stack([_horner(np.abs(coefficients).astype(complex), np.abs(x)) for x in roots.T], axis=1)
-        blur = ROUNDINGS * 2.0**-52 * np.abs(size / across)
         key = np.log(np.maximum(np.abs(roots), 1e-300))
-        # On the circle to rounding: by the direction in which it leaves.
-        key = np.where(np.abs(key) < blur, np.sign((-along / across).real) * blur, key)
+        ascending = np.sort(key, axis=1)
+        close = np.flatnonzero(~((ascending[:, few - 1] < -CLEAR) & (ascending[:, few] > CLEAR)))
+        if len(close):
+            some = [[each[close] for each in table] for table in powers]
+            key[close] = _told(family, some, sigma[close], coefficients[close], roots[close], key[close])
     ordered = np.take_along_axis(roots, np.argsort(key, axis=1), axis=1)
     return ordered[:, :few], ordered[:, few:]
+
+
+def _told(
+    family: _Family, powers: Sequence[Sequence[ComplexArray]], sigma: ComplexArray, coefficients: ComplexArray,
+    roots: ComplexArray, key: Array,
+) -> Array:  # fmt: skip
+    """log(abs(kappa)); where that is zero to rounding, a number as small with the sign of the direction it takes."""
+    steps = np.stack([_derivative(terms).at(powers, len(sigma)) for terms in family.powers], axis=1)
+    along = _horner(steps, roots) * sigma[:, None]
+    across = _horner(coefficients[:, 1:] * np.arange(1, coefficients.shape[1]), roots) * roots
+    size = _horner(np.abs(coefficients), np.abs(roots))
+    blur = ROUNDINGS * 2.0**-52 * np.abs(size / across)
+    return np.where(np.abs(key) < blur, np.sign((-along / across).real) * blur, key)
 
 
 def _derivative(terms: _Terms) -> _Terms:
@@ -216,68 +232,9 @@ def _derivative(terms: _Terms) -> _Terms:
     return _Terms(terms.weights * powers, lowered)
 
 
-def _horner(coefficients: ComplexArray, x: ComplexArray) -> ComplexArray:
+def _horner(coefficients: NDArray[Any], x: NDArray[Any]) -> NDArray[Any]:
+    """Polynomials (N, n + 1) at their own points (N, k)."""
     value = np.zeros_like(x)
-    for c in coefficients.T[::-1]:
-        value = value * x + c
+    for k in reversed(range(coefficients.shape[1])):
+        value = value * x + coefficients[:, k : k + 1]
     return value
-
-
-def _horner_slope(coefficients: ComplexArray, x: ComplexArray) -> ComplexArray:
-    return _horner(coefficients[:, 1:] * np.arange(1, coefficients.shape[1]), x)
-
-
-def all_roots(coefficients: ComplexArray) -> ComplexArray:
-    """The roots of polynomials (N, n + 1), ascending coefficients: (N, n), infinite where the leading one vanishes."""
-    degree = coefficients.shape[1] - 1
-    with np.errstate(all="ignore"):
-        if degree < 1:
-            return np.empty((len(coefficients), 0), complex)
-        if degree == 1:
-            return np.asarray(-coefficients[:, :1] / coefficients[:, 1:])
-        if degree == 2:
-            return _quadratic(coefficients)
-        if degree == 3:
-            return _cubic(coefficients)
-        # The companion matrix of whichever end has the larger coefficient: the other may vanish.
-        swap = np.abs(coefficients[:, -1]) < np.abs(coefficients[:, 0])
-        ordered = np.where(swap[:, None], coefficients[:, ::-1], coefficients)
-        companion = np.zeros((len(ordered), degree, degree), complex)
-        companion[:, np.arange(1, degree), np.arange(degree - 1)] = 1
-        companion[:, :, -1] = -ordered[:, :-1] / ordered[:, -1:]
-        finite = np.asarray(np.isfinite(companion).all(axis=(1, 2)))
-        roots = np.linalg.eigvals(np.where(finite[:, None, None], companion, 0))
-        return np.where(finite[:, None], np.where(swap[:, None], 1 / roots, roots), np.nan)
-
-
-def _quadratic(coefficients: ComplexArray) -> ComplexArray:
-    c, b, a = coefficients.T
-    root = np.sqrt(b * b - 4 * a * c)
-    half = -(b + np.where((b.conj() * root).real < 0, -root, root)) / 2
-    return np.stack([half / a, np.where(half == 0, -half, c / half)], axis=1)
-
-
-_THIRD_TURN = np.exp(2j * np.pi / 3 * np.arange(3))
-
-
-def _cubic(coefficients: ComplexArray) -> ComplexArray:
-    """Cardano's formula for the depressed cubic, then two Newton steps for what cancels in it: ten times as fast as
-    companion matrices of so small a size.
-    """
-    swap = np.abs(coefficients[:, -1]) < np.abs(coefficients[:, 0])
-    d, c, b, a = np.where(swap[:, None], coefficients[:, ::-1], coefficients).T
-    shift = b / (3 * a)
-    p = c / a - 3 * shift * shift
-    q = 2 * shift**3 - shift * c / a + d / a
-    root = np.sqrt(q * q / 4 + (p / 3) ** 3)
-    cube = -q / 2 + np.where((q.conj() * root).real > 0, -root, root)
-    one = cube ** (1 / 3)
-    all_three = one[:, None] * _THIRD_TURN
-    x = all_three - np.where(all_three == 0, 0, p[:, None] / (3 * all_three)) - shift[:, None]
-    for _ in range(2):
-        value = ((a[:, None] * x + b[:, None]) * x + c[:, None]) * x + d[:, None]
-        slope = (3 * a[:, None] * x + 2 * b[:, None]) * x + c[:, None]
-        step = value / slope
-        # Next to a double root a Newton step is all rounding.
-        x = np.where(np.abs(step) < 2.0**-10 * np.abs(x), x - step, x)
-    return np.asarray(np.where(swap[:, None], 1 / x, x))

@@ -14,12 +14,12 @@ from hypothesis import strategies as st
 
 import gks
 from gks import catalogue
+from gks.bounds.allroots import all_roots
 from gks.bounds.along import verdicts_along
 from gks.bounds.curve import curve
 from gks.bounds.curvemap import CurveMap
 from gks.bounds.independent import verdicts_at
 from gks.bounds.radius import RadiusMap, radius_map
-from gks.bounds.sampled import all_roots
 from gks.bounds.sweep import parse_sweep
 from gks.bounds.sweeping import swept
 from gks.errors import NotAnalysable, ParameterError
