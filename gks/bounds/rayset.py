@@ -45,20 +45,21 @@ def ray_set(problem_at: ProblemAt, interior: Sequence[CauchySet]) -> Located:
     if limit is not None and limit.is_zero:
         return Located((), "interior", 0.0, True)
     least = Fraction(1) if limit is None else rational_ends(limit.ball().real)[0]
-    sample = problem_at(least / 2)
+    inside = least / 2
+    sample = problem_at(inside)
     method = sample.resolvent.integrator
     assert method is not None and method.kind != "exact"
     half_plane = _counted(_semi_discrete(sample))
     if isinstance(half_plane, str):
         return nothing_said(half_plane)
     if limit is None:
-        return _along(method, _zeros(half_plane, Fraction(1)), half_plane, None, 0.0)
+        return _along(method, _zeros(half_plane, inside), half_plane, None, 0.0)
     why = ""
     for k in NEXT_TO_LIMIT:
         top = least * (1 - Fraction(1, 2**k))
         beyond = _counted(problem_at(top))
         if not isinstance(beyond, str):
-            zeros = _zeros(half_plane, Fraction(1)) + _zeros(beyond, top)
+            zeros = _zeros(half_plane, inside) + _zeros(beyond, top)
             both = WideModes(half_plane.modes + beyond.modes)
             return _along(method, zeros, both, limit, 2.0 ** (1 - k))
         why = beyond

@@ -94,6 +94,26 @@ def test_rays_against_elimination_with_random_weights(time: str) -> None:
         agree(wide_stable_set(scheme, values), stable_set(scheme, values))
 
 
+GROWING_IN_TIME = [  # u[0] = k u[1] is kappa = 1/k; s = (1/kappa - kappa)/2 for central differences, 9/13 for the compact ones
+    ("dt(u[i]) = (u[i-1] - u[i+1])/2", 3, "backward-euler", Fraction(3, 2)),  # abs(1 - lam s) > 1: lam > 2/s
+    ("dt(u[i]) = (u[i-1] - u[i+1])/2", 3, "bdf2", Fraction(3)),  # z = -1 at lam s = 4
+    ("dt(u[i+1])/4 + dt(u[i]) + dt(u[i-1])/4 = 3/4*(u[i-1] - u[i+1])", 2, "bdf2", Fraction(52, 9)),
+]
+
+
+@pytest.mark.parametrize(("equation", "factor", "time", "above"), GROWING_IN_TIME)
+def test_a_mode_with_positive_real_s_is_stable_from_a_lam_on(
+    equation: str, factor: int, time: str, above: Fraction
+) -> None:
+    """No limit of the interior to start from: the mode itself sets the scale."""
+    scheme = half_line(equation, f"u[0] = {factor}*u[1]", time=time)
+    found = wide_stable_set(scheme, {})
+    ((low, high),) = found.intervals
+    assert high is None
+    assert abs(low - above) <= Fraction(found.error) * above
+    agree(found, stable_set(scheme, {}))
+
+
 def test_an_interior_that_is_never_stable() -> None:
     found = wide_stable_set(half_line("dt(u[i]) = (u[i+1] - u[i-1])/2", CLOSURES["space-0"], time="forward-euler"), {})
     assert (found.intervals, found.limited_by, found.undecided) == ((), "interior", None)
