@@ -179,7 +179,7 @@ class LoadedScheme:
     def audit(self) -> Audit:
         """The file's claims held against what is derived; a march stands beside each claim that fails."""
         from gks.bounds.audit import audit
-        from gks.bounds.proof import checked_region
+        from gks.bounds.proving import checked_region
         from gks.solvers.march import march
 
         return audit(self.scheme, march, checked_region)

@@ -226,7 +226,7 @@ def _audit(arguments: Namespace) -> str:
         if arguments.file is not None:
             raise InputError(f"both --all and {quoted(arguments.file)}", mend="leave one of the two out")
         from gks.bounds.audit import audit_catalogue
-        from gks.bounds.proof import checked_region
+        from gks.bounds.proving import checked_region
         from gks.solvers.march import march
 
         return _shown(audit_catalogue(march, checked_region, _said_to_a_terminal), arguments)

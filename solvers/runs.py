@@ -100,6 +100,8 @@ def run(
         exponents.append(marcher.exponent)
         if size > Marcher.CEILING:
             marcher.rescale(size)
+        elif source is None and size < 1.0 / Marcher.CEILING:
+            marcher.raise_fallen()
         recent = max(recent, size)
         if number % 8 == 7:
             largest = float(numpy.abs(marcher.state).max())

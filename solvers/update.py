@@ -23,8 +23,8 @@ __all__ = ["Marcher", "cost_per_value", "update_matrix"]
 class Marcher:
     """The state of the finite problem (levels oldest first) and its advance by one step.
 
-    The state is scaled down by a power of two whenever it passes 2**200, and `exponent` keeps account; entries below
-    2**-900 are zeroed now and then, since subnormal numbers cost a hundred times as much.
+    The state is scaled by a power of two whenever it passes 2**200 or falls below 2**-200 as a whole, and `exponent`
+    keeps account; entries below 2**-900 are zeroed now and then, since subnormal numbers cost a hundred times as much.
     """
 
     CEILING, DUST, SWEEP_EVERY = 2.0**200, 2.0**-900, 16
@@ -76,6 +76,17 @@ class Marcher:
         for level in self.levels:
             numpy.multiply(level, 2.0**-power, out=level)
         self.exponent += power
+
+    def raise_fallen(self) -> None:
+        """Bring a state that has fallen below 1/CEILING as a whole back to order one; exact zeros stay.
+
+        Every level counts: the newest one may vanish for a step while an older one, which returns, does not.
+        """
+        import numpy
+
+        largest = max(float(numpy.abs(level).max()) for level in self.levels)
+        if 0.0 < largest < 1.0 / self.CEILING:
+            self.rescale(largest)
 
     def _tidy(self) -> None:
         import numpy

@@ -196,7 +196,7 @@ def _region(scheme: Scheme, claim: Claim, prover: Route | None) -> tuple[Result 
 
 def _over_parameter(scheme: Scheme, claim: Claim, region: Result | None) -> tuple[Decomposition, Parameter] | None:
     """The theorem's cells, and its parameter, where that is the one that the claim leaves open."""
-    from gks.bounds.proof import Region
+    from gks.bounds.proving import Region
 
     free = open_parameters(scheme, claim)
     if not isinstance(region, Region) or region.cells is None:

@@ -60,7 +60,7 @@ def boundary(scheme: Scheme, values: Mapping[str, Fraction], parameter: str) -> 
     symbols = (parameter, scheme.cfl)
     try:
         problem = _in_z(normal_mode_problem(scheme, values, symbols))
-    except InputError:
+    except (InputError, ValueError):  # counting roots fails at a formula whose root is no rational function
         if _takes_root(scheme, Coefficients(values, symbols)):
             raise NotAnalysable(f"a square root of {parameter} or {scheme.cfl} is in the equations") from None
         raise

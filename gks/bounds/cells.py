@@ -37,10 +37,12 @@ from gks.bounds.criticality import (
 from gks.bounds.meeting import meeting_points
 from gks.bounds.pointverdict import NotProved, interior_holds, verdict_at
 from gks.bounds.region import Branch, Cell, Cut, Decomposition, End, Span, split_at, value_of
+from gks.bounds.signs import interior_sets
 from gks.errors import NotAnalysable, ParameterError, SchemeError
 from gks.modes.algebraic import GUARD_BITS, START_BITS, Root, isolated_roots, primitive
 from gks.modes.cauchy import degree_in
 from gks.modes.fibre import at_balls, fibre, specialise, univariate
+from gks.modes.kreiss import normal_mode_problem
 from gks.modes.unimodular import by_real_part, rational_ends
 from gks.modes.verdict import Verdict
 from gks.scheme.model import Scheme
@@ -48,6 +50,8 @@ from gks.scheme.model import Scheme
 MEETING_BITS = 1 << 13
 """Precision at which telling a meeting point from its neighbours is given up."""
 
+SAMPLES = 8
+"""Values of the parameter at which curves are tried, before it is said why they can't be had."""
 
 WIDEST_FIELD = 16
 """Degree of the numbers p and lam together up to which an exact verdict on a cut is a matter of seconds."""
@@ -67,6 +71,18 @@ def decompose(
     return _Decomposer(scheme, values, parameter, low, high, report).run()
 
 
+Kind = tuple[tuple[str, int], ...]
+"""The symbols of a scheme's interior, each with the number of its decaying roots."""
+
+
+class _OtherScheme(Exception):
+    """At (p, lam) the signs of wave speeds, or the numbers of decaying roots, are others than the curves are for."""
+
+    def __init__(self, p: Fraction, lam: Fraction) -> None:
+        super().__init__(p, lam)
+        self.p, self.lam = p, lam
+
+
 class _Decomposer:
     def __init__(
         self,
@@ -82,10 +98,21 @@ class _Decomposer:
         self.high = None if high is None else Root.of(high)
         self.values = {**values, scheme.cfl: values.get(scheme.cfl, Fraction(1))}
         self.boundary = Boundary((), ())
+        self.kinds: set[Kind] = set()
+        self.places: dict[Fraction, Fraction] = {}
         self.eliminations: dict[Fraction, Eliminated | None] = {}
 
     def run(self) -> Decomposition:
-        self.boundary = self._whole_boundary()
+        self.report("boundary curves")
+        self.boundary = self._first_boundary()
+        while True:
+            try:
+                return self._decomposed()
+            except _OtherScheme as other:
+                self._extend(other.p, other.lam)
+
+    def _decomposed(self) -> Decomposition:
+        """Over the curves known so far. Raises _OtherScheme where they are not all."""
         critical = critical_parameters(self.boundary, self.report)
         roots = self._inside(list(critical))
         places = by_real_part([root for root, _ in roots])
@@ -106,24 +133,50 @@ class _Decomposer:
 
     # Curves ---------------------------------------------------------------------------------------------------------
 
-    def _whole_boundary(self) -> Boundary:
-        """The curves for every combination of signs that the wave speeds take over the domain.
+    def _first_boundary(self) -> Boundary:
+        """At a sample where no wave speed vanishes: they do so at few values of the parameter."""
+        p = between(self.low, self.high)
+        for _ in range(SAMPLES - 1):
+            try:
+                return self._boundary(p, self._stable_places(p)[0])
+            except (NotAnalysable, ParameterError):
+                p = between(Root.of(p), self.high)
+        return self._boundary(p, self._stable_places(p)[0])
 
-        Speeds change sign on walls, which are the same polynomials for every sample.
-        """
-        self.report("boundary curves")
-        first = self._boundary(between(self.low, self.high))
-        places = by_real_part([root for root, _ in self._inside([key_of(wall) for wall in first.walls])])
-        curves = {str(curve): curve for curve in first.curves}
-        walls = {str(wall): wall for wall in first.walls}
-        for low, high in pairwise([self.low, *places, self.high]) if places else ():
-            other = self._boundary(between(low, high))
-            curves |= {str(curve): curve for curve in other.curves}
-            walls |= {str(wall): wall for wall in other.walls}
-        return Boundary(tuple(curves.values()), tuple(walls.values()))
+    def _boundary(self, p: Fraction, lam: Fraction) -> Boundary:
+        found = boundary(self.scheme, {**self.values, self.parameter: p, self.scheme.cfl: lam}, self.parameter)
+        self.kinds.add(self._kind(p, lam))
+        return found
 
-    def _boundary(self, sample: Fraction) -> Boundary:
-        return boundary(self.scheme, {**self.values, self.parameter: sample}, self.parameter)
+    def _extend(self, p: Fraction, lam: Fraction) -> None:
+        """The curves for the signs and counts at a point besides those known."""
+        found, other = self.boundary, self._boundary(p, lam)
+        known = {str(each) for each in (*found.curves, *found.walls)}
+        curves = [curve for curve in other.curves if str(curve) not in known]
+        walls = [wall for wall in other.walls if str(wall) not in known]
+        self.boundary = Boundary((*found.curves, *curves), (*found.walls, *walls))
+
+    def _kind(self, p: Fraction, lam: Fraction) -> Kind:
+        """What the curves depend on, besides the formulas: the stencils that the signs of speeds choose, the counts."""
+        values = {**self.values, self.parameter: p, self.scheme.cfl: lam}
+        problem = normal_mode_problem(self.scheme, values, (self.parameter, self.scheme.cfl))
+        return tuple((str(family.polynomial), family.decaying) for family in problem.families)
+
+    def _known_kinds(self, p: Fraction) -> None:
+        """Raises _OtherScheme for a Cauchy-stable piece of the line over p whose curves are not known."""
+        places = self._stable_places(p)
+        for lam in places:
+            if self._kind(p, lam) not in self.kinds:
+                raise _OtherScheme(p, lam)
+        self.places[p] = places[0]
+
+    def _stable_places(self, p: Fraction) -> list[Fraction]:
+        """A lam in every Cauchy-stable piece of the line over p; where there is none, any."""
+        interior, signs = interior_sets(self.scheme, {**self.values, self.parameter: p})
+        ends = [end for each in interior for i in each.intervals for end in (i.low, i.high)]
+        cuts = distinct(iter([*signs, *(end for end in ends if end is not None and not end.is_zero)]))
+        places = gates(by_real_part(cuts))
+        return [lam for lam in places if all(each.contains(Root.of(lam)) for each in interior)] or places[:1]
 
     def _inside(self, keys: Sequence[tuple[int, ...]]) -> list[tuple[Root, tuple[int, ...]]]:
         """The real roots of the polynomials that lie in the domain."""
@@ -138,6 +191,7 @@ class _Decomposer:
 
     def _cell(self, low: Root | None, high: Root | None) -> Cell:
         sample = between(low, high)
+        self._known_kinds(sample)
         found = self._stable_set(sample)
         spans = tuple(Span(self._branch(i.low, sample), self._branch(i.high, sample)) for i in found.intervals)
         at_bound = self._at_bound(sample, sample, found.lam_max, ends_stability=found.limited_by == "closure")
@@ -211,19 +265,27 @@ class _Decomposer:
 
     def _crossing(self, root: Root, cause: Critical, left: Cell, right: Cell) -> Cut:
         """A cut that no curve contains: the limit of the stable set, split where a meeting point is not stable."""
-        limits = self.limit(left, root)
+        limits, other = self.limit(left, root), self.limit(right, root)
         isolated = [lam for lam in self._meetings_inside(root, cause, left) if self._unstable(root, lam, left, right)]
-        if isolated:
-            limits = split_at(limits, isolated)
+        goes_over = limits == other and all(a[1] != b[0] for a, b in pairwise(limits))
+        shared = goes_over and not isolated and not any(self._diverges(cell, root) for cell in (left, right))
+        limits = split_at(limits, isolated)
         bound = limits[0][1] if limits and limits[0][0] is None else None
         closure = bound in isolated or "closure" in (left.limited_by, right.limited_by)
         at_bound = self._at_bound(left.sample, root, bound, ends_stability=closure)
-        return Cut(root, tuple(Span(*i) for i in limits) if isolated else None, at_bound)
+        return Cut(root, None if shared else tuple(Span(*i) for i in limits), at_bound)
+
+    def _diverges(self, cell: Cell, root: Root) -> bool:
+        """Whether an end of a stable interval tends to infinity at an end of its cell."""
+        ends = [end for span in cell.spans for end in (span.low, span.high) if end is not None]
+        return any(self.limit_of(cell, end, root) == "oo" for end in ends)
 
     def _elimination(self, sample: Fraction) -> Eliminated | None:
-        """With both symbols, for the signs and counts at a cell's sample."""
+        """With both symbols, for the signs and counts at a cell's sample; None where these are not the same on it."""
+        if len(self.kinds) > 1:
+            return None
         if sample not in self.eliminations:
-            values = {**self.values, self.parameter: sample}
+            values = {**self.values, self.parameter: sample, self.scheme.cfl: self.places[sample]}
             self.eliminations[sample] = eliminated(self.scheme, values, (self.parameter, self.scheme.cfl))
         return self.eliminations[sample]
 
@@ -244,6 +306,8 @@ class _Decomposer:
         return verdict is not Verdict.STABLE
 
     def _gap_closes(self, cell: Cell, root: Root, lam: Root) -> bool:
+        if len(self.kinds) > 1:
+            return False
         for below, above in pairwise(cell.spans):
             ends = below.high, above.low
             if any(end is None or self.limit_of(cell, end, root) != lam for end in ends):

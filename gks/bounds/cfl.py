@@ -14,14 +14,14 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Literal
 
+from gks.bounds.signs import interior_sets
 from gks.errors import InputError, NotAnalysable
 from gks.modes.algebraic import Root
 from gks.modes.analysis import quick_verdict
 from gks.modes.cauchy_set import CauchySet, rationals_between
 from gks.modes.clear import clear_of_modes
 from gks.modes.critical import LamElimination, lam_elimination, positive_roots
-from gks.modes.interior import interior_limits
-from gks.modes.kreiss import normal_mode_problem, spatial_problem
+from gks.modes.kreiss import normal_mode_problem
 from gks.modes.unimodular import by_real_part
 from gks.modes.verdict import Verdict
 from gks.scheme.model import Scheme
@@ -62,10 +62,10 @@ def stable_set(scheme: Scheme, values: Mapping[str, Fraction]) -> StableSet:
     Raises InputError where the scheme is at fault or beyond the exact route.
     """
     sample = {**values, scheme.cfl: values.get(scheme.cfl, Fraction(1))}
-    interior = interior_limits(spatial_problem(scheme, sample, (scheme.cfl,)))
-    sides = _sides(scheme, sample, interior)
+    interior, signs = interior_sets(scheme, sample)
+    sides = _sides(scheme, sample, interior, signs)
     closure = positive_roots(p for side in sides for p in side.eliminated.polynomials())
-    critical = by_real_part(_distinct([*_ends(interior), *closure]))
+    critical = by_real_part(_distinct([*_ends(interior), *signs, *closure]))
     pieces = [_piece(scheme, values, lam, interior) for lam in rationals_between(critical)]
     return _assembled(scheme, values, critical, pieces, interior, sides)
 
@@ -82,20 +82,23 @@ class _Side:
         return (self.low is None or self.low < lam) and (self.high is None or lam < self.high)
 
 
-def _sides(scheme: Scheme, sample: Mapping[str, Fraction], interior: Sequence[CauchySet]) -> list[_Side]:
-    """One for each piece that the interior leaves.
+def _sides(
+    scheme: Scheme, sample: Mapping[str, Fraction], interior: Sequence[CauchySet], signs: Sequence[Root]
+) -> list[_Side]:
+    """One for each piece that the interior, and the ``signs`` of its speeds, leave.
 
-    The number of decaying solutions is constant on such a piece, not from one to the next.
+    The number of decaying solutions is constant on such a piece, not from one to the next; nor is the scheme where a
+    speed changes its sign.
     """
-    cuts = by_real_part(_distinct(_ends(interior)))
+    cuts = by_real_part(_distinct([*_ends(interior), *signs]))
     sides: list[_Side] = []
-    known: dict[tuple[int, ...], LamElimination] = {}
+    known: dict[tuple[tuple[int, str], ...], LamElimination] = {}
     ends: list[Root | None] = [None, *cuts, None]
     for k, lam in enumerate(rationals_between(cuts)):
         if not all(each.contains(Root.of(lam)) for each in interior):
             continue
         problem = normal_mode_problem(scheme, {**sample, scheme.cfl: lam}, (scheme.cfl,))
-        counts = tuple(family.decaying for family in problem.families)
+        counts = tuple((family.decaying, str(family.polynomial) if signs else "") for family in problem.families)
         if counts not in known:
             known[counts] = lam_elimination(problem)
         sides.append(_Side(ends[k], ends[k + 1], known[counts]))

@@ -24,14 +24,12 @@ from typing import Any
 from flint import arb, ctx, fmpz_mpoly
 
 from gks.bounds.checkcells import CellCheck
-from gks.bounds.checkcurves import curves
 from gks.bounds.checkcuts import CutCheck
-from gks.bounds.checkderive import derive
 from gks.bounds.checkformula import Rejected
+from gks.bounds.checkjudges import Judges
 from gks.bounds.checkline import verify_line
 from gks.bounds.checknumbers import BITS, Real, ball_of, digest, fraction, real_roots, univariate
 from gks.bounds.checkpieces import verify_pieces, verify_single
-from gks.bounds.checkpoint import Judge
 from gks.bounds.checkring import Unsupported, degree, factors, irreducible, parts_of
 from gks.errors import GksError
 from gks.scheme.model import Scheme
@@ -94,7 +92,7 @@ class _Checker:
         names = {p.name for p in self.scheme.parameters}
         if {*self.fixed, self.scheme.cfl, *([self.parameter] if self.parameter else [])} != names:
             raise Rejected("the values do not match the scheme's parameters")
-        self.judges: dict[tuple[str, ...], Judge] = {}
+        self.judges = Judges(self.scheme, self.fixed, self.parameter)
 
     def run(self) -> None:
         if self.parameter is None:
@@ -158,27 +156,13 @@ class _Checker:
 
     # Curves and cuts ------------------------------------------------------------------------------------------------
 
-    def judge(self, p: Fraction, lam: Fraction) -> Judge:
-        """The checker's own problem; it depends on the sample through signs of speeds and counts alone."""
-        problem = derive(self.scheme, self.fixed, self.parameter, p, lam)
-        key = (
-            *(str(f.whole) for f in problem.families),
-            *(str(f.decaying) for f in problem.families),
-            str(problem.rows),
-        )
-        if key not in self.judges:
-            self.judges[key] = Judge(problem)
-        return self.judges[key]
-
     def all_curves(self) -> None:
         given = {str(c) for c in (*self.curves, *self.walls)}
         if len(given) != len(self.curves) + len(self.walls):
             raise Rejected("a curve is listed twice")
-        own: dict[str, fmpz_mpoly] = {}
         for cell in self.cells:
-            cell.judge = self.judge(cell.sample, cell.stable_sample())
-        for judge in self.judges.values():
-            own |= curves(judge.problem)
+            cell.call(self.judges)
+        own = self.judges.curves()
         for text in own:
             if text not in given:
                 raise Rejected(f"the boundary curve {text} is missing")

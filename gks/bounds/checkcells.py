@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 from flint import arb, fmpz_mpoly
 
 from gks.bounds.checkformula import Rejected
+from gks.bounds.checkjudges import Judges
 from gks.bounds.checkline import verdict_on
 from gks.bounds.checknumbers import (
     Real,
@@ -22,7 +23,7 @@ from gks.bounds.checknumbers import (
     simplest,
 )
 from gks.bounds.checknumbers import exact as _exact
-from gks.bounds.checkpoint import Judge
+from gks.bounds.checkpoint import Judge, stable_between
 from gks.scheme.model import Scheme
 
 if TYPE_CHECKING:
@@ -59,7 +60,7 @@ class CellCheck:
             (_branch(low), _branch(high)) for low, high in entry["stable_set"]
         ]
         self.at_bound: str | None = entry["at_bound"]
-        self.judge: Judge | None = None
+        self.gap_judges: list[Judge | None] = []
 
     @property
     def ends(self) -> tuple[Real | None, Real | None]:
@@ -91,11 +92,15 @@ class CellCheck:
                 raise Rejected(f"two curves meet at the sample {p}")
         return found
 
-    def limits(self, p: Fraction) -> list[tuple[arb | None, arb | None]]:
+    def diverges(self, p: Fraction) -> bool:
+        """Whether an end of a stated interval tends to infinity, seen over ``p`` beside a cut."""
+        return any(end is not None and self.value(end, p) > 1 / VANISHING for span in self.spans for end in span)
+
+    def limits(self, p: Fraction, *, joined: bool = True) -> list[tuple[arb | None, arb | None]]:
         """The stated intervals over ``p`` beside a cut as they are on it.
 
-        Those that shrink to a point or go to infinity are left out, those that come to touch are one, ends that tend
-        to 0 or infinity are there.
+        Those that shrink to a point or go to infinity are left out, those that come to touch are one if ``joined``,
+        ends that tend to 0 or infinity are there.
         """
         found: list[tuple[arb | None, arb | None]] = []
         for span in self.spans:
@@ -107,7 +112,7 @@ class CellCheck:
             if low is not None and high is not None and close(low, high):
                 continue
             last = found[-1][1] if found else None
-            if last is not None and low is not None and close(last, low):
+            if joined and last is not None and low is not None and close(last, low):
                 found[-1] = (found[-1][0], high)
             else:
                 found.append((low, high))
@@ -136,32 +141,41 @@ class CellCheck:
             for low, high in self.spans
         )
 
-    def stable_sample(self) -> Fraction:
-        """A lam that is said to be stable, where counts of decaying roots are meant to be taken; else a small one."""
-        for lam in self.gaps(self.sample):
-            if self.stated(self.sample, lam):
-                return lam
-        return self.gaps(self.sample)[0]
+    def call(self, judges: Judges) -> None:
+        """A judge for every gap between the curves over the sample; None where the interior is not stable there."""
+        self.gap_judges = [judges.at(self.sample, lam) for lam in self.gaps(self.sample)]
+        if not any(self.gap_judges):
+            self.fallback = judges.somewhere(self.sample, self.gaps(self.sample)[0])
+
+    @property
+    def judge(self) -> Judge:
+        """The one judge of this cell, of the lowest gap that has one where there are several."""
+        return next((judge for judge in self.gap_judges if judge is not None), None) or self.fallback
+
+    @property
+    def changes(self) -> bool:
+        """Whether the scheme is another at another lam."""
+        return len({id(judge) for judge in self.gap_judges if judge is not None}) > 1
 
     def verdicts(self) -> None:
-        judge = self.judge
-        assert judge is not None
         p = self.sample
         levels, gaps = self.levels(p), self.gaps(p)
         said = [self.stated(p, lam) for lam in gaps]
-        for lam, stable in zip(gaps, said, strict=True):
-            if judge.stable(p, lam) is not stable:
+        bottoms = [Fraction(0), *(_exact(level) for level, _ in levels)]
+        for low, lam, stable, judge in zip(bottoms, gaps, said, self.gap_judges, strict=True):
+            if (judge is not None and stable_between(judge, p, low, lam)) is not stable:
                 raise Rejected(
                     f"at {self.owner.parameter} = {p}, lam = {lam} the verdict is not what the certificate says"
                 )
         self.structure([(level, stable) for (level, _), stable in zip(levels, pairwise(said), strict=True)])
         for k, ((_, curve), (below, above)) in enumerate(zip(levels, pairwise(said), strict=True)):
-            if below and above:
+            judge = self.gap_judges[k]
+            if below and above and judge is not None:
                 stands = any(end == (curve, self.place(curve, k)) for span in self.spans for end in span)
                 verdict = verdict_on(judge, p, real_root_of(self.owner.curves[curve], p, self.place(curve, k)))
                 if (verdict == "stable") == stands:
                     raise Rejected(f"at {self.owner.parameter} = {p} a curve inside the stable set is not as stated")
-        self.bound(judge)
+        self.bound()
 
     def structure(self, levels: Sequence[tuple[arb, tuple[bool, bool]]]) -> None:
         """Every end of a stated interval is a level at which the statement changes, or splits."""
@@ -186,7 +200,7 @@ class CellCheck:
     def place(self, curve: int, level: int) -> int:
         return 1 + sum(1 for _, k in self.levels(self.sample)[:level] if k == curve)
 
-    def bound(self, judge: Judge) -> None:
+    def bound(self) -> None:
         """The verdict on the bound."""
         top = self.spans[0][1] if self.spans and self.spans[0][0] is None else None
         if (top is None) != (self.at_bound is None):
@@ -194,7 +208,9 @@ class CellCheck:
         if top is not None:
             p = self.sample
             curve, place = self.owner.curves[top[0]], top[1]
-            verdict = verdict_on(judge, p, real_root_of(curve, p, place))
+            level = real_root_of(curve, p, place)
+            below = self.gap_judges[sum(1 for each, _ in self.levels(p) if each < level.ball())]
+            verdict = None if below is None else verdict_on(below, p, level)
             if verdict != self.at_bound:
                 raise Rejected(
                     f"on the bound at {self.owner.parameter} = {p} the scheme is {verdict}, not {self.at_bound}"

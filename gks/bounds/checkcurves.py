@@ -118,10 +118,13 @@ def _divided(polynomial: fmpz_mpoly, name: str) -> fmpz_mpoly:
 # Curves -------------------------------------------------------------------------------------------------------------
 
 
-def curves(problem: Problem) -> dict[str, fmpz_mpoly]:
-    """Irreducible polynomials in p and lam off whose zeros the verdict cannot change, but for constants and lam."""
+def curves(problem: Problem, *, closure: bool = True) -> dict[str, fmpz_mpoly]:
+    """Irreducible polynomials in p and lam off whose zeros the verdict cannot change, but for constants and lam.
+
+    Without ``closure`` only those of the interior.
+    """
     found: dict[str, fmpz_mpoly] = {}
-    for polynomial in _all_curves(problem):
+    for polynomial in (*problem.structure, *_all_growth(problem), *(_of_closure(problem) if closure else ())):
         for factor, _ in factors(polynomial):
             if not factor.is_constant() and factor != GEN["lam"]:
                 found.setdefault(str(factor), factor)
@@ -135,8 +138,7 @@ def in_z(problem: Problem, own: Sequence[fmpz_mpoly]) -> list[fmpz_mpoly]:
     return [g for f in own for g, _ in factors(f.resultant(problem.time_map, "s"))]
 
 
-def _all_curves(problem: Problem) -> Iterator[fmpz_mpoly]:
-    yield from problem.structure
+def _of_closure(problem: Problem) -> Iterator[fmpz_mpoly]:
     own, idle = characteristic(problem)
     yield from idle
     growing = in_z(problem, own)
@@ -152,8 +154,6 @@ def _all_curves(problem: Problem) -> Iterator[fmpz_mpoly]:
         else:
             yield inner(f)
         yield from (f.resultant(locus, "z") for locus in loci if locus != f)
-    for growth in problem.growth:
-        yield from _interior(growth)
 
 
 def inner(f: fmpz_mpoly) -> fmpz_mpoly:
@@ -187,6 +187,11 @@ def _loci(problem: Problem) -> Iterator[fmpz_mpoly]:
             for g, _ in factors(locus):
                 if degree(g, "z") and g.total_degree() > 1 and mirror(g, "z") in (g, -g):
                     yield g
+
+
+def _all_growth(problem: Problem) -> Iterator[fmpz_mpoly]:
+    for growth in problem.growth:
+        yield from _interior(growth)
 
 
 def _interior(growth: fmpz_mpoly) -> Iterator[fmpz_mpoly]:

@@ -12,7 +12,7 @@ from flint import acb, arb, fmpz_mpoly, fmpz_poly
 from gks.bounds.checkballs import Open, deflated, solved
 from gks.bounds.checkcells import CellCheck, Owner
 from gks.bounds.checkformula import Rejected
-from gks.bounds.checkline import line, verdict_on, verify_line
+from gks.bounds.checkline import bound_on, line, verdict_on, verify_line
 from gks.bounds.checknumbers import Real, ball_of, close, near_positive, over, real_roots, univariate
 from gks.bounds.checknumbers import exact as _exact
 from gks.bounds.checkpoint import Judge
@@ -45,12 +45,14 @@ class CutCheck:
     def verify(self, left: CellCheck, right: CellCheck) -> None:
         """The stable set here: on a wall by the checker's own means, elsewhere by the points where curves meet."""
         wall = next((w for w in self.owner.walls if _same(univariate(w, "p"), self.root.poly)), None)
-        judge = left.judge
-        assert judge is not None
+        judge, exact = left.judge, self.root.rational
+        if left.changes or right.changes:
+            self._changing(exact, left, right)
+            return
         if self.spans is None:
             self._shared_bound(left, right, judge)
-        exact = self.root.rational
         if wall is None and self.spans is None:
+            self._same_limits(left, right)
             self._points(left, judge)
         elif wall is not None and judge.loses_root(wall):
             self._undetermined(left, right)
@@ -62,6 +64,25 @@ class CutCheck:
             self._split(left, judge)
         else:
             raise Unsupported("a stable set on a cut at an irrational value")
+
+    def _changing(self, exact: Fraction | None, left: CellCheck, right: CellCheck) -> None:
+        """Where the scheme is another at another lam, only a rational cut is verified: by its own stable set."""
+        if exact is None:
+            raise Unsupported("a scheme that changes with lam, on a cut at an irrational value")
+        self._line(exact, left, right)
+        if self.spans is None:
+            fixed = {**self.owner.fixed, str(self.owner.parameter): exact}
+            if self.at_bound not in ("undecided", bound_on(line(self.owner.scheme, fixed))):
+                raise Rejected(f"the verdict on the bound at {exact} is not {self.at_bound}")
+
+    def _same_limits(self, left: CellCheck, right: CellCheck) -> None:
+        """The intervals of both sides tend to the same ones, none infinite or touching: each side's formulas hold."""
+        sides = [cell.limits(p, joined=False) for cell, p in zip((left, right), self._beside(), strict=True)]
+        if any(cell.diverges(p) for cell, p in zip((left, right), self._beside(), strict=True)) or not _agree(*sides):
+            raise Rejected(f"the stable sets beside {self.root.ball().str(10)} do not go over into each other")
+        for (_, high), (low, _) in pairwise(sides[0]):
+            if high is not None and low is not None and close(high, low):
+                raise Rejected(f"stable intervals touch at {self.root.ball().str(10)}")
 
     def _shared_bound(self, left: CellCheck, right: CellCheck, judge: Judge) -> None:
         """The verdict on the bound that both sides tend to; that it is not decided says nothing, and is let be."""
@@ -131,7 +152,7 @@ class CutCheck:
         if self.spans is not None:
             verify_line(self.owner.scheme, fixed, self.spans, self.at_bound)
             return
-        found = line(self.owner.scheme, fixed)[0]
+        found = line(self.owner.scheme, fixed).spans
         for cell, p in zip((left, right), self._beside(), strict=True):
             self._limits(cell, p, found)
 

@@ -24,12 +24,11 @@ from gks.bounds.checkring import (
     Values,
     constant,
     degree,
-    determinant,
     enclose,
     factors,
-    parts_of,
     put,
 )
+from gks.bounds.checkspectrum import spectrum
 from gks.scheme.integrators import Integrator, integrator
 from gks.scheme.model import HalfLine, NamedLines, NamedScheme, Scheme, WrittenDiscrete, WrittenLines
 from gks.scheme.operators import discrete_stencil, stencil
@@ -49,11 +48,15 @@ class Scalar:
 
 @dataclass(frozen=True, slots=True)
 class Family:
-    """P(sigma, x) without its roots 0, the product of its factors that hold decaying roots, and their number."""
+    """P(sigma, x) without its roots 0, the product of its factors that hold decaying roots, and their number.
+
+    ``counts`` are the irreducible factors, each with its multiplicity and how many of its roots decay.
+    """
 
     whole: fmpz_mpoly
     part: fmpz_mpoly
     decaying: int
+    counts: tuple[tuple[fmpz_mpoly, int, int], ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,13 +84,35 @@ class Problem:
     """The interior's amplification polynomials F(z, x)."""
     structure: tuple[fmpz_mpoly, ...]
     """Divisors and wave speeds: polynomials in p and lam whose zeros the description does not cross."""
+    speeds: tuple[tuple[Fr, bool], ...]
+    """Wave speeds that stencils go by, with whether they are taken to be positive."""
+
+    def holds_at(self, p: Fraction, lam: Fraction) -> bool:
+        """Whether the signs of speeds and the numbers of decaying roots are those of the sample there too."""
+        sample = {"p": p, "lam": lam}
+        return all(_forward(speed, sample) is forward for speed, forward in self.speeds) and all(
+            _inside(factor, self.variable, sample) == mine
+            for family in self.families
+            for factor, _, mine in family.counts
+        )
 
 
 # From the scheme to scalar problems ---------------------------------------------------------------------------------
 
 
-def derive(scheme: Scheme, fixed: Mapping[str, Fraction], parameter: str | None, p: Fraction, lam: Fraction) -> Problem:
-    """The problem with p and lam symbolic; (p, lam) is a sample that settles signs and counts."""
+def derive(
+    scheme: Scheme,
+    fixed: Mapping[str, Fraction],
+    parameter: str | None,
+    p: Fraction,
+    lam: Fraction,
+    *,
+    counted: bool = True,
+) -> Problem:
+    """The problem with p and lam symbolic; (p, lam) is a sample that settles signs and counts.
+
+    Not ``counted``, no root is said to decay: enough for the interior, and all there is where it is not stable.
+    """
     names = {name: constant(value) for name, value in fixed.items()}
     names[scheme.cfl] = Fr(GEN["lam"], ONE)
     if parameter is not None:
@@ -108,10 +133,10 @@ def derive(scheme: Scheme, fixed: Mapping[str, Fraction], parameter: str | None,
     scalars = [each for h in scheme.domains for each in _scalars(h, values, clocks[h.name], sample, speeds)]
     lowest = {h.name: _lowest(scheme, h) for h in scheme.domains}
     families: list[Family] = []
-    blocks = [_block(scheme, each, lowest, families, variable, sample) for each in scalars]
+    blocks = [_block(scheme, each, lowest, families, variable, sample if counted else None) for each in scalars]
     rows = _rows(scheme, values, clocks, blocks, lowest, lines)
     width = sum(b.zeros + families[b.family].decaying for b in blocks)
-    if width != len(rows):
+    if counted and width != len(rows):
         raise Rejected(f"{width} decaying solutions against {len(rows)} equations")
     time_map = None if method is None else _map(method)
     growth = {str(g): g for each in scalars for g in [_growth(each, time_map)]}
@@ -126,6 +151,7 @@ def derive(scheme: Scheme, fixed: Mapping[str, Fraction], parameter: str | None,
         tuple(rows),
         tuple(growth.values()),
         tuple(structure),
+        tuple((speed, _forward(speed, sample)) for speed in speeds),
     )
 
 
@@ -170,10 +196,9 @@ def _scalars(
         return
     assert half_line.flux is not None
     flux = [[entry.fold(values) for entry in row] for row in half_line.flux]
-    for speed, columns in _spectrum(flux):
+    for speed, columns in spectrum(flux):
         speeds.append(speed)
-        ball = enclose(speed.num, _point(sample)) / enclose(speed.den, _point(sample))
-        forward = bool(ball.real >= 0)
+        forward = _forward(speed, sample)
         symbol: dict[int, Fr] = {}
         if isinstance(interior, NamedLines):
             operator = stencil(interior.space, forward)
@@ -191,58 +216,12 @@ def _scalars(
             yield Scalar(half_line.name, column, placed)
 
 
+def _forward(speed: Fr, sample: Mapping[str, Fraction]) -> bool:
+    return bool((enclose(speed.num, _point(sample)) / enclose(speed.den, _point(sample))).real >= 0)
+
+
 def _point(sample: Mapping[str, Fraction]) -> dict[str, acb]:
     return {name: acb(fmpq(v.numerator, v.denominator)) for name, v in sample.items()}
-
-
-def _spectrum(flux: list[list[Fr]]) -> list[tuple[Fr, list[tuple[Fr, ...]]]]:
-    """Eigenvalues with independent columns of their projectors prod (A - w')/(w - w')."""
-    size = len(flux)
-    characteristic = determinant([[(_diagonal(i, j) - flux[i][j]) for j in range(size)] for i in range(size)])
-    values = []
-    for factor, multiplicity in factors(characteristic.num):
-        parts = parts_of(factor, "x")
-        if len(parts) == 2:
-            values.append((Fr.of(-parts[0], parts[1]), multiplicity))
-        elif len(parts) > 2:
-            raise Unsupported("wave speeds that are no rational functions")
-    found = []
-    for value, multiplicity in values:
-        projector = [[constant(int(i == j)) for j in range(size)] for i in range(size)]
-        for other, _ in values:
-            if other != value:
-                shifted = [[flux[i][j] - (other if i == j else constant(0)) for j in range(size)] for i in range(size)]
-                projector = [
-                    [
-                        sum((projector[i][k] * shifted[k][j] for k in range(size)), constant(0)) / (value - other)
-                        for j in range(size)
-                    ]
-                    for i in range(size)
-                ]
-        columns = _independent([tuple(projector[i][j] for i in range(size)) for j in range(size)])
-        if len(columns) != multiplicity:
-            raise Unsupported("a flux without a full set of eigenvectors")
-        found.append((value, columns))
-    return found
-
-
-def _diagonal(i: int, j: int) -> Fr:
-    return Fr(GEN["x"], ONE) if i == j else constant(0)
-
-
-def _independent(columns: list[tuple[Fr, ...]]) -> list[tuple[Fr, ...]]:
-    chosen: list[tuple[Fr, ...]] = []
-    reduced: list[tuple[Fr, ...]] = []
-    for column in columns:
-        rest = column
-        for basis in reduced:
-            lead = next(k for k, v in enumerate(basis) if not v.zero)
-            factor = rest[lead] / basis[lead]
-            rest = tuple(a - factor * b for a, b in zip(rest, basis, strict=True))
-        if any(not v.zero for v in rest):
-            chosen.append(column)
-            reduced.append(rest)
-    return chosen
 
 
 def _written(
@@ -285,7 +264,7 @@ def _block(
     lowest: Mapping[str, int],
     families: list[Family],
     variable: str,
-    sample: Mapping[str, Fraction],
+    sample: Mapping[str, Fraction] | None,
 ) -> Block:
     half_line = scheme.half_line(scalar.domain)
     ghosts = half_line.first - lowest[scalar.domain] + min(scalar.symbol)
@@ -293,19 +272,20 @@ def _block(
         raise Unsupported("an interior whose lowest offset lies inside the domain")
     polynomial = _polynomial(scalar.symbol)
     kept, whole = ONE, ONE
-    decaying = 0
+    counts = []
     for factor, multiplicity in factors(polynomial):
         if not degree(factor, "x"):
             continue
         whole *= factor**multiplicity
-        mine = multiplicity * _inside(factor, variable, sample)
+        mine = 0 if sample is None else _inside(factor, variable, sample)
+        counts.append((factor, multiplicity, mine))
         if mine:
-            decaying += mine
             kept *= factor**multiplicity
+    decaying = sum(multiplicity * mine for _, multiplicity, mine in counts)
     for k, family in enumerate(families):
         if family.whole == whole:
             return Block(scalar, k, ghosts)
-    families.append(Family(whole, kept, decaying))
+    families.append(Family(whole, kept, decaying, tuple(counts)))
     return Block(scalar, len(families) - 1, ghosts)
 
 

@@ -28,6 +28,9 @@ LADDER = (128, 256, 512, 1024, 2048)
 """Working precisions, in bits; a question that the last leaves open rejects the certificate."""
 
 
+SHARES = (Fraction(0), Fraction(1, 3), Fraction(2, 5))
+"""How far below a point others are tried: where two spatial roots are equal, one meets that at few lam."""
+
 FAR_BITS = (40, 120)
 """Exponents of two at which Delta is looked at far out: between them it falls by 2**-80 at least if Delta(oo) = 0."""
 
@@ -44,6 +47,29 @@ class _Mode:
     needs_limit: bool
 
 
+def interior_holds(problem: Problem, p: Fraction, lam: Fraction) -> bool:
+    """Whether the interior is Cauchy-stable at a rational point, exactly."""
+    at = {"p": p, "lam": lam}
+    for bits in LADDER:
+        with ctx.workprec(bits):
+            try:
+                return all(cauchy(specialised(growth, at)) for growth in problem.growth)
+            except Open:
+                continue
+    raise Rejected(f"Cauchy stability at p = {p}, lam = {lam} is not verified")
+
+
+def stable_between(judge: Judge, p: Fraction, low: Fraction, lam: Fraction) -> bool:
+    """The verdict at lam, on no curve, with none down to ``low``; at points between them where spatial roots meet."""
+    for share in SHARES:
+        try:
+            return judge.stable(p, lam - (lam - low) * share)
+        except Rejected:
+            if share == SHARES[-1]:
+                raise
+    raise AssertionError("unreachable")
+
+
 class Judge:
     """Verdicts of one scheme; ``problem`` has p and lam symbolic."""
 
@@ -53,30 +79,17 @@ class Judge:
         self.mapped = in_z(problem, self.own)
 
     def stable(self, p: Fraction, lam: Fraction) -> bool:
-        """At a rational point on no curve, exactly."""
+        """At a rational point on no curve, where the interior is Cauchy-stable, exactly."""
         at = {"p": p, "lam": lam}
         for bits in LADDER:
             with ctx.workprec(bits):
                 try:
-                    if not all(cauchy(specialised(growth, at)) for growth in self.problem.growth):
-                        return False
                     if not self.determines(_balls(at), at):
                         return False
                     return not any(mode.zero for mode in self._modes(_balls(at), at))
                 except Open:
                     continue
         raise Rejected(f"the verdict at p = {p}, lam = {lam} is not verified")
-
-    def interior(self, p: Fraction, lam: Fraction) -> bool:
-        """Whether the interior is Cauchy-stable at a rational point, exactly."""
-        at = {"p": p, "lam": lam}
-        for bits in LADDER:
-            with ctx.workprec(bits):
-                try:
-                    return all(cauchy(specialised(growth, at)) for growth in self.problem.growth)
-                except Open:
-                    continue
-        raise Rejected(f"Cauchy stability at p = {p}, lam = {lam} is not verified")
 
     def loses_root(self, wall: fmpz_mpoly) -> bool:
         """Whether a root of the characteristic polynomial goes to infinity on a wall, with z: Delta(oo) vanishes there.
@@ -100,7 +113,8 @@ class Judge:
             ball = {**at, self.problem.variable: acb(2) ** bits}
             roots = []
             for family in self.problem.families:
-                found = solved([enclose(c, ball) for c in parts_of(specialised(family.whole, exact), "x")])
+                zeros, parts = _without_zeros(specialised(family.whole, exact), ball)
+                found = [acb(0)] * zeros + solved(parts)
                 roots.append([x for x in found if abs(x) < 1])
                 if len(roots[-1]) != family.decaying:
                     raise Open
@@ -128,13 +142,13 @@ class Judge:
         """
         if any(degree(growth, "p") for growth in self.problem.growth):
             raise Unsupported("an interior that depends on the parameter, at an irrational value of it")
-        if not self.interior(p, lam):
+        if not interior_holds(self.problem, p, lam):
             return False
         return self.at_point(lambda bits: {"p": place(bits), **_balls({"lam": lam})}, {"lam": lam}) == "stable"
 
     def on_curve(self, p: Fraction, lam: Fraction) -> str:
         """The verdict at a rational point, exactly: "stable", "neutral", "generalized" or "unstable"."""
-        if not self.interior(p, lam):
+        if not interior_holds(self.problem, p, lam):
             return "unstable"
         at = {"p": p, "lam": lam}
         return self._worst(lambda bits: _balls(at), at)
@@ -190,16 +204,18 @@ class Judge:
 
     def _mode(self, at: Mapping[str, acb], on_circle: bool, exact: Mapping[str, Fraction]) -> _Mode:
         chosen, limiting = [], False
+        here = {**exact, **self._rational(at, exact)}  # a spatial root may be 0 or infinite there, exactly
         others: list[list[list[acb]]] = []
         for family in self.problem.families:
-            whole, part = (specialised(each, exact) for each in (family.whole, family.part))
+            whole, part = (specialised(each, here) for each in (family.whole, family.part))
             roots, double = _with_double(whole, at)
             inside = [x for x in roots if abs(x) < 1]
             straddling = [x for x in roots if not abs(x) < 1 and not abs(x) > 1]
             if (straddling or double) and not on_circle:
                 raise Open
             # Of two branches that meet on the circle one comes from inside: they leave in opposite directions.
-            coming = double + [x for x in straddling if self._comes_from_inside(whole, {**at, "x": x})]
+            moving = specialised(family.whole, exact)
+            coming = double + [x for x in straddling if self._comes_from_inside(moving, {**at, "x": x})]
             roots = roots + double
             mine = inside + coming
             if len(mine) != family.decaying:
@@ -218,6 +234,14 @@ class Judge:
                 self._all_zero(at, exact)  # else another choice may be the one that makes the norm vanish
                 break
         return _Mode(on_circle, True, limiting and self._limit_needed(chosen, at))
+
+    def _rational(self, at: Mapping[str, acb], exact: Mapping[str, Fraction]) -> dict[str, Fraction]:
+        """sigma, where it is rational over a rational point."""
+        name = self.problem.variable
+        factors = [univariate(specialised(f, exact), name).factor()[1] for f in self.own] if _whole(exact) else []
+        lines = [list(g) for found in factors for g, _ in found if g.degree() == 1]
+        values = [Fraction(-int(constant), int(slope)) for constant, slope in lines]
+        return next(({name: value} for value in values if at[name].contains(_balls({name: value})[name])), {})
 
     def _all_zero(self, at: Mapping[str, acb], exact: Mapping[str, Fraction]) -> None:
         """Open unless every choice of spatial roots whose Delta holds 0, at any conjugate of sigma, has Delta = 0."""
@@ -297,14 +321,22 @@ def _roots(f: fmpz_mpoly, name: str, ball: Mapping[str, acb], exact: Mapping[str
 
 def _with_double(symbol: fmpz_mpoly, at: Mapping[str, acb]) -> tuple[list[acb], list[acb]]:
     """The simple roots x, and a double one on the circle if that is what keeps the roots from being isolated."""
-    parts = [enclose(c, at) for c in parts_of(symbol, "x")]
+    zeros, parts = _without_zeros(symbol, at)
+    none = [acb(0) for _ in range(zeros)]
     try:
-        return solved(parts), []
+        return none + solved(parts), []
     except Open:
         simple, double = deflated(parts)
         if not all(abs(x).contains(1) for x in double):
             raise
-        return simple, double
+        return none + simple, double
+
+
+def _without_zeros(symbol: fmpz_mpoly, at: Mapping[str, acb]) -> tuple[int, list[acb]]:
+    """How often x = 0 is a root, exactly, and the other factor's coefficients: a scheme may be a shift at a point."""
+    parts = parts_of(symbol, "x")
+    zeros = next((k for k, part in enumerate(parts) if not part.is_zero()), 0)
+    return zeros, [enclose(c, at) for c in parts[zeros:]]
 
 
 def _unimodular(f: fmpz_mpoly) -> list[acb]:

@@ -24,14 +24,14 @@ from gks.scheme.model import Scheme
 
 @dataclass(frozen=True, slots=True)
 class Eliminated:
-    """A problem with p and lam as its symbols, and the norm of its determinant."""
+    """A problem with lam, and p where there is one, as its symbols, and the norm of its determinant."""
 
     problem: NormalModeProblem
     norm: Elimination
 
 
-def eliminated(scheme: Scheme, values: Mapping[str, Fraction], symbols: tuple[str, str]) -> Eliminated | None:
-    """The elimination at a sample, which settles the signs of wave speeds; None where there is none to use."""
+def eliminated(scheme: Scheme, values: Mapping[str, Fraction], symbols: tuple[str, ...]) -> Eliminated | None:
+    """The elimination at a sample, which settles signs of wave speeds and counts; None where there is none to use."""
     try:
         problem = normal_mode_problem(scheme, values, symbols)
         norm = characteristic_factors(problem)

@@ -10,7 +10,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from gks.bounds.sampled import Array, ComplexArray, all_roots, sampled
+from gks.bounds.allroots import all_roots
+from gks.bounds.sampled import Array, ComplexArray, sampled
 from gks.errors import NotAnalysable
 from gks.modes.kreiss import NormalModeProblem
 from gks.scheme.integrators import Integrator

@@ -28,6 +28,8 @@ INFINITE = "oo"
 WIDEST = 120
 """Characters of a stable set up to which the conditions beside it are aligned."""
 
+COMMA = r",\; "
+
 SHORT = 40
 """Characters of a bound that a statement repeats to say what happens on it."""
 
@@ -155,9 +157,8 @@ class Theorem:
         lam = latex_name(self.scheme.cfl)
         rows = []
         for piece in _joined(self.pieces):
-            where = _where_latex(piece, self.parameter)
-            bound = _on_bound_latex(piece, self.parameter)
-            rows.append(" & ".join([_sets_latex(piece, lam) + ",", *filter(None, [where, bound])]))
+            told = [_where_latex(piece, self.parameter), _on_bound_latex(piece, self.parameter)]
+            rows.append(rf"{_sets_latex(piece, lam)}, & {COMMA.join(filter(None, told))}")
         body = r"\begin{cases} " + r" \\ ".join(rows) + r" \end{cases}"
         tails = "".join(rf", \quad {latex}" for _, latex in self.limits)
         return rf"\text{{stable}} \iff {body}{tails}"
@@ -290,7 +291,7 @@ def _on_bound_latex(piece: Piece, name: str | None) -> str:
     for verdict, edges in _exceptions(piece).items():
         places = r" \text{ and } ".join(edge.latex for edge in edges)
         others.append(rf"\text{{{verdict} at }} {latex_name(name or '')} = {places}")
-    return r",\; ".join([rf"\text{{on the bound {piece.at_bound}}}", *others])
+    return COMMA.join([rf"\text{{on the bound {piece.at_bound}}}", *others])
 
 
 def _sets_latex(piece: Piece, lam: str) -> str:

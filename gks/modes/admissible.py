@@ -24,7 +24,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import comb, factorial
 
-from flint import acb, arb, ctx, fmpz_mpoly
+from flint import acb, arb, ctx, fmpz_mpoly, fmpz_poly
 
 from gks.modes.algebraic import GUARD_BITS, START_BITS, Position, Root
 from gks.modes.fibre import FibreRoot, VanishesIdentically, at_balls, fibre, is_zero
@@ -49,6 +49,8 @@ class Candidate:
     sigma for some choice of them."""
     images: int = 1
     """How many times z is an image of sigma under the integrator's map."""
+    rivals: tuple[fmpz_poly, ...] = ()
+    """Square-free polynomials that have all zeros of the norm among their roots; none where these are not known."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -134,6 +134,8 @@ def newton_refined(ball: acb, bits: int, values: Callable[[acb], tuple[acb, acb]
     For any m in the ball the root lies in m - f(m)/f'(ball) as well. None where these do not contract.
     """
     known, spare = ball.rel_accuracy_bits(), GUARD_BITS
+    if known < -bits:  # a ball around 0 far wider than its root: nothing to double
+        return None
     while known < bits:
         with ctx.workprec(min(2 * known, bits) + spare):
             middle = ball.mid()

@@ -8,8 +8,6 @@ from fractions import Fraction
 from time import perf_counter
 from typing import Literal
 
-from flint import fmpz_poly
-
 from gks.errors import InputError
 from gks.modes.admissible import Candidate
 from gks.modes.algebraic import Position, Root, Side, isolated_roots, primitive
@@ -231,16 +229,15 @@ def judged(
     listed = [(factor, False) for factor in elimination.factors]
     listed += [(replace(factor, multiplicity=1, sheets=()), True) for factor in elimination.clearing]
     foreign = ForeignZeros(problem)
-    rivals = [primitive(univariate(factor.polynomial, problem.variable)) for factor, _ in listed]
+    rivals = tuple(primitive(univariate(factor.polynomial, problem.variable)) for factor, _ in listed)
     for factor, clears in listed:
         last: tuple[Mode, Candidate] | None = None
-        for candidate in candidates_of(problem, factor):
+        for found in candidates_of(problem, factor):
+            candidate = replace(found, rivals=rivals)
             if not inner and candidate.position is Position.INSIDE:
                 continue
             try:
-                mode = _mirrored(last, candidate) or _counted_once(
-                    problem, candidate, judge(problem, candidate), rivals
-                )
+                mode = _mirrored(last, candidate) or _counted_once(problem, candidate, judge(problem, candidate))
                 last = mode, candidate
             except Undecided as reason:
                 if candidate.position is not Position.INSIDE:
@@ -254,11 +251,11 @@ def judged(
     return modes, doubts
 
 
-def _counted_once(problem: NormalModeProblem, candidate: Candidate, mode: Mode, rivals: Sequence[fmpz_poly]) -> Mode:
+def _counted_once(problem: NormalModeProblem, candidate: Candidate, mode: Mode) -> Mode:
     """The mode with its own multiplicity, where the norm counts zeros of other choices of spatial roots as well."""
     if mode.multiplicity == 1 or mode.kind is ModeKind.INADMISSIBLE:
         return mode
-    return replace(mode, multiplicity=multiplicity(problem, candidate, rivals))
+    return replace(mode, multiplicity=multiplicity(problem, candidate))
 
 
 def _mirrored(last: tuple[Mode, Candidate] | None, candidate: Candidate) -> Mode | None:

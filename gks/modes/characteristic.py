@@ -230,6 +230,7 @@ def eigenvectors(matrix: Matrix, coefficients: Coefficients, what: str) -> list[
         shifted = [[entry - value if i == j else entry for j, entry in enumerate(row)] for i, row in enumerate(matrix)]
         basis = kernel(shifted, coefficients)
         if len(basis) != multiplicity:
+            coefficients.without_free_roots(value.num, *(entry.num for row in shifted for entry in row))
             raise ParameterError(
                 f"{what} has an eigenvalue {multiplicity} times with {len(basis)} eigenvectors",
                 expected="a full set of eigenvectors (a hyperbolic system)",

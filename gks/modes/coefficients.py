@@ -257,6 +257,17 @@ class Coefficients:
         """The generators that have a value, as coordinates for fibres and zero tests."""
         return {g.name: g.root for g in self.generators if g.root is not None}
 
+    def without_free_roots(self, *polynomials: fmpz_mpoly) -> None:
+        """NotAnalysable where one holds a square root of symbols left free: that has no value to count at."""
+        free = [g for g in self.generators if g.root is None and any(self._holds(p, g.name) for p in polynomials)]
+        under = [s for s in self.symbols if any(self._holds(g.relation, self.variable(s)) for g in free)]
+        if free:
+            roots = f"square root of {' and '.join(under)}" if under else "nested square root of parameters"
+            raise NotAnalysable(f"the interior scheme holds a {roots}, left free", mend="set it with -p")
+
+    def _holds(self, polynomial: fmpz_mpoly, variable: str) -> bool:
+        return bool(polynomial.degrees()[list(self.gens).index(variable)] > 0)
+
     def ball(self, polynomial: fmpz_mpoly, bits: int, at: Mapping[str, acb] | None = None) -> acb:
         """Encloses a polynomial at the generators' values and at the further coordinates given."""
         coordinates = dict(at or {})

@@ -102,19 +102,25 @@ def specialise(poly: fmpz_mpoly, values: Mapping[str, Fraction]) -> fmpz_mpoly:
 
 def at_balls(poly: fmpz_mpoly, values: Mapping[str, acb]) -> acb:
     """A ball around ``poly`` at the given balls (every variable that occurs), at the current precision."""
+    occurring = [(k, degree) for k, degree in enumerate(poly.degrees()) if degree]
     names = poly.context().names()
-    degrees = poly.degrees()
-    powers_of: list[list[acb]] = []
-    for name, degree in zip(names, degrees, strict=True):
+    if len(occurring) == 1:
+        ((k, degree),) = occurring
+        dense = [0] * (degree + 1)
+        for exponents, coefficient in poly.to_dict().items():
+            dense[exponents[k]] = int(coefficient)
+        return fmpz_poly(dense)(values[names[k]])
+    powers_of: list[tuple[int, list[acb]]] = []
+    for k, degree in occurring:
         powers = [acb(1)]
         for _ in range(degree):
-            powers.append(powers[-1] * values[name])
-        powers_of.append(powers)
+            powers.append(powers[-1] * values[names[k]])
+        powers_of.append((k, powers))
     total = acb(0)
     for exponents, coefficient in poly.to_dict().items():
         term = acb(coefficient)
-        for table, power in zip(powers_of, exponents, strict=True):
-            if power:
+        for k, table in powers_of:
+            if power := exponents[k]:
                 term *= table[power]
         total += term
     return total

@@ -21,6 +21,7 @@ from gks.modes.fibre import fibre
 from gks.modes.height import zero_exponent
 from gks.modes.kreiss import NormalModeProblem, closure_matrix
 from gks.modes.numerals import midpoint, modulus_of, radius_of
+from gks.modes.order import vanishing_order
 from gks.modes.rank import certain_rank, exact_rank
 from gks.modes.sheets import Choice, only_vanishing
 from gks.modes.spatialballs import BallSpace, NotTold, ball_space, has_kernel
@@ -69,7 +70,7 @@ def _judged_by_balls(problem: NormalModeProblem, candidate: Candidate) -> Mode:
     So it may be on the circle itself: what decays there is the limit of what decays outside.
     """
     space = ball_space(problem, candidate)
-    is_mode = has_kernel(problem, candidate, space)
+    is_mode = has_kernel(problem, candidate, space, lambda: vanishing_order(problem, candidate))
     kind = _KIND[candidate.position] if is_mode else ModeKind.INADMISSIBLE
     return _listed(
         problem, candidate, kind, lambda domain: _ball_kappas(problem, space, domain, admissible_only=is_mode)
@@ -84,7 +85,7 @@ def _kind(problem: NormalModeProblem, candidate: Candidate, families: Sequence[A
         decays = not any(space.limiting) or modes_at(problem, candidate, families, strict=True) == modes
     else:
         # Of other columns than those that were eliminated it is not known that some sheet vanishes.
-        here = candidate if regular is problem else replace(candidate, sheets=())
+        here = candidate if regular is problem else replace(candidate, sheets=(), rivals=())
         modes = int(_has_kernel(regular, here, space))
         decays = not modes or not any(space.limiting) or _kernel_decays(regular, here, space)
     if not modes:
@@ -116,7 +117,8 @@ def _has_kernel(problem: NormalModeProblem, candidate: Candidate, space: _Space)
     """Whether the closure annihilates an admissible solution, by the cheapest proof.
 
     Balls that leave no doubt; else, where the admissible solutions are one of the choices that the norm runs over,
-    that no other choice vanishes; else the exact rank with its bound on algebraic numbers.
+    that no other choice vanishes; else the order of the determinant's zero; else the exact rank with its bound on
+    algebraic numbers.
     """
     columns = _columns(space)
     roots = [space.roots(k) for k in range(len(problem.blocks))]
@@ -126,7 +128,8 @@ def _has_kernel(problem: NormalModeProblem, candidate: Candidate, space: _Space)
         return columns > certain
     if columns == problem.size and only_vanishing(problem, candidate, _choice(problem, space)):
         return True
-    return columns > _rank(problem, candidate, space)
+    order = vanishing_order(problem, candidate) if columns == problem.size else None
+    return order > 0 if order is not None else columns > _rank(problem, candidate, space)
 
 
 def _choice(problem: NormalModeProblem, space: _Space) -> Choice:

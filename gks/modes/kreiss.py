@@ -228,6 +228,7 @@ def upper_bound(value: Fraction | Root) -> Fraction:
 def _decaying(polynomial: fmpz_mpoly, coefficients: Coefficients, resolvent: Resolvent) -> int:
     sample = {coefficients.variable(s): upper_bound(coefficients.values[s]) for s in coefficients.symbols}
     sample[resolvent.name] = sample_point(coefficients, resolvent)
+    coefficients.without_free_roots(polynomial)
     roots = fibre(coefficients.point(), specialise(polynomial, sample), "x")
     return sum(root.multiplicity for root in roots if root.position is Position.INSIDE)
 

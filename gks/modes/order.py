@@ -16,7 +16,8 @@ symmetrically.
 c_j the coefficients of Taylor's series (Cauchy's estimate of what is folded back). By Rouché's theorem there are k
 zeros in abs(t) < s r, s < 1, where abs(a_k) s**k exceeds the other terms and B (q s)**N / (1 - q s), what is left.
 
-What that does not prove keeps the norm's count, an upper bound.
+A count of 0 says that the choice of the admissible roots is not the one that vanishes: there is no mode. A multiplicity
+that is not told is the norm's count, an upper bound.
 """
 
 from __future__ import annotations
@@ -37,38 +38,51 @@ from gks.modes.undecided import Undecided
 
 DISCS = 24
 """Discs tried, each a quarter of the one before: down to 1e-14 of the distance to the next root of the norm."""
-VALUES = 32
-"""Values of Delta on a circle: what folds back is 8**-32 = 1e-29 of the bound."""
-INNER = 8
+VALUES, MOST_VALUES = 16, 256
+"""Values of Delta on a circle, doubled until what folds back of the bound is small: 16**-16 = 5e-20 of it is, unless
+Delta is what is left of large numbers."""
+INNER = 16
 """R/r."""
+HELD = 2
+"""How many radii of its ball a disc round the middle of the candidate's ball has at least: more than one."""
+ISOLATED_BITS = 24
+"""What an isolated root has at least in practice; fewer only make the discs round it larger."""
 
 
 class _Open(ArithmeticError):
     """The choice of the admissible roots is not kept apart, or Delta not from 0."""
 
 
-def multiplicity(problem: NormalModeProblem, candidate: Candidate, rivals: Sequence[fmpz_poly]) -> int:
-    """How many times a normal mode counts; the norm's multiplicity where that is not told.
-
-    ``rivals`` are square-free polynomials that have all zeros of the norm among their roots.
-    """
+def multiplicity(problem: NormalModeProblem, candidate: Candidate) -> int:
+    """How many times a normal mode counts; the norm's multiplicity where that is not told."""
     if candidate.multiplicity == 1:
         return 1
+    order = vanishing_order(problem, candidate)
+    return order * candidate.images if order else candidate.multiplicity
+
+
+def vanishing_order(problem: NormalModeProblem, candidate: Candidate) -> int | None:
+    """The order of Delta at a zero of the norm as a function of the problem's variable, 0 where it is none of Delta.
+
+    None where that is not told.
+    """
+    if not candidate.rivals:
+        return None
     try:
-        order = _order(problem, candidate, rivals)
+        return _order(problem, candidate)
     except (_Open, NotTold, Undecided):
-        return candidate.multiplicity
-    return order * candidate.images
+        return None
 
 
-def _order(problem: NormalModeProblem, candidate: Candidate, rivals: Sequence[fmpz_poly]) -> int:
-    """The order of Delta at the candidate as a function of the problem's variable."""
+def _order(problem: NormalModeProblem, candidate: Candidate) -> int:
+    _require_finite(problem, candidate)
     labels = _labelled(problem, candidate)
-    clear = _distance(candidate, rivals)
+    clear = _distance(candidate)
     for _ in range(DISCS):
         clear = (clear / 4).mid()
-        # Delta is as small as a power of the radius, which is as sharp as the balls have to be to show it.
-        bits = 4 * START_BITS + candidate.multiplicity * max(0, -_exponent(clear))
+        # Delta is as small as a power of the radius, and the balls have to be sharp enough to show it.
+        small = max(0, _exponent(abs(candidate.sigma.ball()).mid() / clear))
+        bits = 4 * START_BITS + (candidate.multiplicity + 1) * small
         with ctx.workprec(bits + GUARD_BITS):
             try:
                 return _Disc(problem, candidate, clear, bits, labels).zeros()
@@ -77,19 +91,28 @@ def _order(problem: NormalModeProblem, candidate: Candidate, rivals: Sequence[fm
     raise _Open
 
 
+def _require_finite(problem: NormalModeProblem, candidate: Candidate) -> None:
+    """_Open where a spatial root may be infinite at the candidate: no disc holds it then."""
+    with ctx.workprec(START_BITS + GUARD_BITS):
+        at = {name: root.ball() for name, root in point_of(problem, candidate).items()}
+        if any(at_balls(powers_of(f.polynomial, "x")[-1], at).contains(0) for f in problem.families):
+            raise _Open
+
+
 def _exponent(value: arb) -> int:
-    mantissa, exponent = value.man_exp()
+    """log2 of a positive number, rounded up; 0 for 0."""
+    mantissa, exponent = value.mid().man_exp()
     return int(exponent) + int(mantissa).bit_length()
 
 
-def _distance(candidate: Candidate, rivals: Sequence[fmpz_poly]) -> arb:
-    """A positive number at most the distance to the next root of the rivals, and at most abs(sigma), or 1 for 0."""
+def _distance(candidate: Candidate) -> arb:
+    """A positive number at most the distance to the next zero of the norm, and at most abs(sigma), or 1 for 0."""
     bits = START_BITS
     while True:
         with ctx.workprec(bits + GUARD_BITS):
             here = candidate.sigma.ball(bits)
             near = abs(here).abs_lower() if here != 0 else arb(1)
-            for polynomial in rivals:
+            for polynomial in candidate.rivals:
                 balls = isolation(polynomial).balls(bits)
                 meeting = [k for k, ball in enumerate(balls) if ball.overlaps(here)]
                 mine = meeting[0] if len(meeting) == 1 and _shares(polynomial, candidate) else -1
@@ -147,17 +170,18 @@ class _Disc:
     def __init__(
         self, problem: NormalModeProblem, candidate: Candidate, radius: arb, bits: int, labels: Sequence[_Labels]
     ) -> None:
-        self.problem, self.radius, self.bits = problem, radius, bits
-        self.centre = candidate.sigma.ball(bits).mid()
+        self.problem, self.radius = problem, radius
+        candidate_ball = candidate.sigma.ball(bits)
+        self.centre, self._blur = candidate_ball.mid(), candidate_ball.rad()
         self._at = {name: root.ball(bits) for name, root in problem.coefficients.point().items()}
         self._symbols = [[self._polynomial(c) for c in powers_of(f.polynomial, "x")] for f in problem.families]
         self._weights = {id(t.coefficient): self._polynomial(t.coefficient) for row in problem.rows for t in row}
-        everywhere, aside = radius * acb(arb(0, 1), arb(0, 1)), radius * acb(0.375, 0.25)
+        self._everywhere, aside = radius * acb(arb(0, 1), arb(0, 1)), radius * acb(0.375, 0.25)
         self._regions = [
-            _joined(_inclusions(symbol, everywhere, aside), known)
+            _joined(_inclusions(symbol, self._everywhere, aside), known)
             for symbol, known in zip(self._symbols, labels, strict=True)
         ]
-        self._require_columns(self.centre + everywhere)
+        self._require_columns(self.centre + self._everywhere)
 
     def _polynomial(self, poly: fmpz_mpoly) -> acb_poly:
         """A coefficient as a polynomial in what the problem's variable is off the centre."""
@@ -176,29 +200,28 @@ class _Disc:
                     raise _Open
 
     def zeros(self) -> int:
-        """The number of zeros of Delta in a smaller disc round the same centre, which is one of them."""
+        """The number of zeros of Delta in a smaller disc that holds the candidate."""
         q = arb(1) / INNER
-        bound = self._bound()
-        angles = [acb(2 * k) / VALUES for k in range(VALUES)]
-        values = [self._delta(self.radius * q * angle.exp_pi_i()) for angle in angles]
-        folded = bound * q**VALUES / (1 - q**VALUES)
-        sizes = []
-        for j in range(VALUES):
-            total = sum((v * (-j * angle).exp_pi_i() for v, angle in zip(values, angles, strict=True)), acb(0))
-            sizes.append(abs(total / VALUES) + folded * q**j * arb(0, 1))
-        for halved in range(1, self.bits):
-            s = arb(1) / 2**halved
+        bound, count = self._bound(), VALUES
+        enough = self._delta(acb(self.radius * q)).abs_lower() / 2**START_BITS
+        while count < MOST_VALUES and not bound * q**count < enough:
+            count *= 2
+        sums = acb.dft([self._delta(self.radius * q * (acb(2 * k) / count).exp_pi_i()) for k in range(count)])
+        folded = bound * q**count / (1 - q**count)
+        sizes = [abs(total / count) + folded * q**j * arb(0, 1) for j, total in enumerate(sums)]
+        s = arb(1)
+        while (s := s / 2) * q * self.radius > HELD * self._blur and s > arb(2) ** -START_BITS:
             terms = [size * s**j for j, size in enumerate(sizes)]
-            rest = sum(terms, bound * (q * s) ** VALUES / (1 - q * s))
+            rest = sum(terms, bound * (q * s) ** count / (1 - q * s))
             for k, term in enumerate(terms):
-                if k and term > rest - term:
+                if term > rest - term:
                     return k
         raise _Open
 
     def _bound(self) -> arb:
         """Hadamard's bound of Delta in the disc."""
         product = arb(1)
-        for row in self._matrix(self.radius * acb(arb(0, 1), arb(0, 1)), self._regions):
+        for row in self._matrix(self._everywhere, self._regions):
             product *= sum((entry.abs_upper() ** 2 for entry in row), arb(0)).sqrt().upper()
         if not product.is_finite():
             raise _Open
@@ -206,12 +229,14 @@ class _Disc:
 
     def _delta(self, point: acb) -> acb:
         """Delta at a point of the disc."""
+        return acb_mat(self._matrix_at(point)).det() if self.problem.size else acb(1)
+
+    def _matrix_at(self, point: acb) -> list[list[acb]]:
         groups = [
             _joined(_inclusions(symbol, point, point), [(g.ball, g.admissible) for g in regions])
             for symbol, regions in zip(self._symbols, self._regions, strict=True)
         ]
-        matrix = self._matrix(point, groups)
-        return acb_mat(matrix).det() if matrix else acb(1)
+        return self._matrix(point, groups)
 
     def _matrix(self, where: acb, groups: Sequence[Sequence[_Group]]) -> list[list[acb]]:
         """The Kreiss matrix over a ball, from the groups of spatial roots over it, a family each."""
@@ -226,8 +251,9 @@ class _Disc:
 def _inclusions(symbol: Sequence[acb_poly], where: acb, point: acb) -> list[acb]:
     """Smith's discs for the spatial roots over a ball of the variable, round those at one of its points."""
     polynomial = acb_poly([c(where) for c in symbol])
+    exact = acb_poly([c(point).mid() for c in symbol])
     try:
-        centres = [root.mid() for root in acb_poly([c(point).mid() for c in symbol]).roots()]
+        centres = [_polished(exact, root.mid()) for root in exact.roots()]
     except ValueError:  # FLINT did not isolate them
         raise _Open from None
     degree = len(symbol) - 1
@@ -241,6 +267,16 @@ def _inclusions(symbol: Sequence[acb_poly], where: acb, point: acb) -> list[acb]
             raise _Open
         found.append(x + radius * acb(arb(0, 1), arb(0, 1)))
     return found
+
+
+def _polished(polynomial: acb_poly, x: acb) -> acb:
+    """A simple root to the precision in force, by Newton's method; isolated roots have some 30 bits to begin with."""
+    slope = polynomial.derivative()
+    known = ISOLATED_BITS
+    while known < ctx.prec:
+        x = (x - polynomial(x) / slope(x)).mid()
+        known *= 2
+    return x
 
 
 def _joined(discs: Sequence[acb], known: _Labels) -> list[_Group]:

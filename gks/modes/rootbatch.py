@@ -272,5 +272,3 @@ def _store(
     factor = np.ldexp(1.0, np.clip(exponent, -900, 900))
     result.hi[index], result.lo[index] = (x.hi * factor).T, (x.lo * factor).T
     result.radius[index], result.resolved[index] = radius.T, good
-
-

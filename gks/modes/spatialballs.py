@@ -150,12 +150,14 @@ def ball_space(problem: NormalModeProblem, candidate: Candidate) -> BallSpace:
     return BallSpace(tuple(inside), tuple(every), tuple(choices))
 
 
-def has_kernel(problem: NormalModeProblem, candidate: Candidate, space: BallSpace) -> bool:
+def has_kernel(
+    problem: NormalModeProblem, candidate: Candidate, space: BallSpace, order: Callable[[], int | None] = lambda: None
+) -> bool:
     """Whether the closure annihilates a solution made of the roots inside, exactly.
 
     Balls that leave no doubt; else that no other choice of roots makes the determinant vanish, where one must (as in
-    ``sheets``); else the exact rank with its bound on algebraic numbers. NotTold where the field of a coupled system
-    may miss a solution.
+    ``sheets``); else the ``order`` of the determinant's zero, where that is known; else the exact rank with its bound
+    on algebraic numbers. NotTold where the field of a coupled system may miss a solution.
     """
     point = point_of(problem, candidate)
     _require_regular(problem, point, space)
@@ -169,6 +171,9 @@ def has_kernel(problem: NormalModeProblem, candidate: Candidate, space: BallSpac
         for families in candidate.sheets:
             if all(_never_vanishes(problem, point, choice) for choice in _other_choices(problem, space, families)):
                 return True
+    known = order() if columns == problem.size else None
+    if known is not None:
+        return known > 0
     return columns > exact_rank(
         _matrices(problem, point, space.inside), lambda: zero_exponent(problem, candidate.sigma)
     )

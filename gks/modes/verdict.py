@@ -48,8 +48,11 @@ class Mode:
     """One root z with its multiplicity, what it is, and the spatial factors kappa = u[i+1]/u[i] of each domain.
 
     ``z`` and ``kappa`` are exact midpoints; ``radius`` bounds the distance of ``z`` from the true root (in JSON, that
-    of the
-    rounded number).
+    of the rounded number).
+
+    ``multiplicity`` is the order to which the determinant of the decaying solutions vanishes (``order``). Of an
+    INADMISSIBLE root it is that of the characteristic polynomial, which counts every choice of spatial roots that
+    shares the root; and so for a DECAYING one where no determinant continues into the circle, as at z = 0.
     """
 
     z: ComplexNumber

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from gks.bounds.audit import Audit, Held, audit, audit_catalogue
 from gks.bounds.cfl import stable_set
 from gks.bounds.finding import Status
-from gks.bounds.proof import checked_region
+from gks.bounds.proving import checked_region
 from gks.bounds.samples import open_parameters, samples
 from gks.catalogue import find
 from gks.errors import NotAnalysable

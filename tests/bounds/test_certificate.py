@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 from gks.bounds.check import check
 from gks.bounds.checknumbers import digest
-from gks.bounds.proof import prove_here
+from gks.bounds.proving import prove_here
 from gks.catalogue import find
 from gks.scheme.schemefile import parse_scheme
 from tests.bounds.theorem_schemes import LEAPFROG_OUTFLOW, interface

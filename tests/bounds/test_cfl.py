@@ -15,6 +15,7 @@ from gks.errors import InputError, SchemeError
 from gks.modes import Verdict, analyse
 from gks.modes.algebraic import Root
 from gks.scheme.model import Scheme
+from tests.bounds.theorem_schemes import upwind_flux
 from tests.literature.closures import CLOSURES, half_line
 from tests.strategies import DISCRETE, Draft, scalar_drafts
 
@@ -178,3 +179,14 @@ def test_ends_are_exact_at_any_size() -> None:
 
 def test_the_interiors_drawn_are_the_ones_named() -> None:
     assert {"leapfrog", "crank-nicolson"} <= set(DISCRETE)
+
+
+@pytest.mark.parametrize("a", [Fraction(2), Fraction(1, 3), Fraction(-1)])
+@pytest.mark.parametrize("closure", ["u[0]/2", "u[0]"])
+def test_stable_sets_where_a_wave_speed_changes_its_sign_with_lam(a: Fraction, closure: str) -> None:
+    """Upwinding follows the sign: below and above lam = 1/a there are two schemes on one axis."""
+    scheme = upwind_flux("1 - a*lam", closure)
+    found = stable_set(scheme, scheme.values({"a": a}))
+    for lam in (Fraction(k, 7) for k in range(1, 40, 2)):
+        verdict = analyse(scheme, scheme.values({"a": a, "lam": lam})).verdict
+        assert at_end(found, lam) or inside(found, lam) is (verdict is Verdict.STABLE)

@@ -10,10 +10,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from gks import catalogue
 from gks.bounds.cfl import stable_set
 from gks.bounds.curve import curve
 from gks.bounds.pointverdict import verdict_at
-from gks.bounds.proof import checked_region, prove, prove_here
+from gks.bounds.proof import prove
+from gks.bounds.proving import checked_region, prove_here
 from gks.bounds.sweep import of_values
 from gks.bounds.theorem import Piece, Theorem
 from gks.catalogue import find
@@ -31,6 +33,7 @@ from tests.bounds.theorem_schemes import (
     advection_interface,
     half_line,
     interface,
+    upwind_flux,
     upwind_interface,
     weighted_interface,
 )
@@ -235,6 +238,41 @@ def test_a_stable_set_need_not_begin_at_zero_nor_be_one_interval() -> None:
     middle = "(sqrt(6) - sqrt(2))/2"
     assert split.to_json()["stable_set"] == [["0", middle], [middle, "1"]]
     assert one.to_json()["stable_set"] == [["0", "1"]]
+
+
+def test_a_wave_speed_may_change_its_sign_with_the_parameter() -> None:
+    found = checked_region(upwind_flux("a"), {}).theorem
+    assert found.proved, found.reason
+    assert [(p["from"], p["to"], p["bound"]) for p in (each.to_json() for each in found.pieces)] == [
+        ("-oo", "0", "-1/a"),
+        ("0", "0", "oo"),
+        ("0", "oo", "0"),
+    ]
+
+
+def test_a_wave_speed_may_change_its_sign_with_lam() -> None:
+    """Outflow while lam < a, stable up to lam*(a - lam) = 1; inflow above, where the closure feeds the mode z = 1."""
+    found = checked_region(upwind_flux("lam - a"), {}).theorem
+    assert found.proved, found.reason
+    sets = [(p["from"], p["stable_set"]) for p in (each.to_json() for each in found.pieces)]
+    low, high = "(a - sqrt(a**2 - 4))/2", "(a + sqrt(a**2 - 4))/2"
+    assert [each for each in sets if each[1]] == [
+        ("0", [["0", "a"]]),
+        ("2", [["0", "2"]]),
+        ("2", [["0", low], [high, "a"]]),
+    ]
+    assert found.bound([1.0, 2.0, 2.5]).tolist() == [1.0, 2.0, 0.5]
+
+
+WIDE = ("lax-wendroff-order-6-oblique", "lax-wendroff-order-8-oblique", "sbp-4-interface")
+"""Shipped schemes beyond an exact elimination in seconds."""
+
+
+@pytest.mark.parametrize("name", [name for name in catalogue.names() if name not in WIDE])
+def test_every_shipped_scheme_of_a_narrow_stencil_has_a_theorem(name: str) -> None:
+    found = checked_region(find(name), {}).theorem
+    assert found.proved, found.reason
+    assert Verdict.UNDECIDED.value not in [piece.at_bound for piece in found.pieces]
 
 
 def test_what_the_check_does_not_reach_is_not_said_to_be_proved() -> None:

@@ -94,7 +94,8 @@ def test_rays_against_elimination_with_random_weights(time: str) -> None:
         agree(wide_stable_set(scheme, values), stable_set(scheme, values))
 
 
-GROWING_IN_TIME = [  # u[0] = k u[1] is kappa = 1/k; s = (1/kappa - kappa)/2 for central differences, 9/13 for the compact ones
+# u[0] = k u[1] is kappa = 1/k; s = (1/kappa - kappa)/2 for central differences, 9/13 for the compact ones
+GROWING_IN_TIME = [
     ("dt(u[i]) = (u[i-1] - u[i+1])/2", 3, "backward-euler", Fraction(3, 2)),  # abs(1 - lam s) > 1: lam > 2/s
     ("dt(u[i]) = (u[i-1] - u[i+1])/2", 3, "bdf2", Fraction(3)),  # z = -1 at lam s = 4
     ("dt(u[i+1])/4 + dt(u[i]) + dt(u[i-1])/4 = 3/4*(u[i-1] - u[i+1])", 2, "bdf2", Fraction(52, 9)),

@@ -118,3 +118,25 @@ def weighted_interface(weights: Sequence[Fraction]) -> Scheme:
     u = f"{a}*L.u[0] + {b}*R.u[0] + {c}*(L.s[0] - R.s[0])"
     s = f"{d}*L.s[0] + {e}*R.s[0] + {f}*(L.u[0] - R.u[0])"
     return upwind_interface("0", "inf", u, s)
+
+
+_FLUX = """
+title = "A wave speed with a parameter"
+[parameters]
+lam = {{ role = "cfl", default = 0.5 }}
+a = {{ default = 1, range = [-inf, inf] }}
+[interior]
+space = "upwind1"
+time = "forward-euler"
+[domains.R]
+side = "right"
+unknowns = ["u"]
+flux = [["{speed}"]]
+[closure]
+equations = ["u[-1] = {closure}"]
+"""
+
+
+def upwind_flux(speed: str, closure: str = "u[0]") -> Scheme:
+    """u_t + speed u_x = 0 on x > 0, first-order upwinding, whatever the sign of the speed."""
+    return parse_scheme(_FLUX.format(speed=speed, closure=closure), "flux")

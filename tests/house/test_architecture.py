@@ -1,4 +1,4 @@
-"""Imports point one way: reports -> campaigns -> solvers -> bounds -> modes -> scheme; and what is slow to load is loaded late."""
+"""Imports point one way, reports to campaigns to solvers to bounds to modes to scheme; what is slow is loaded late."""
 
 import ast
 from collections.abc import Iterator
@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-LAYERS = ["gks.scheme", "gks.modes", "gks.bounds", "gks.solvers", "gks.campaigns", "gks.reports"]  # each may import those before it
+# Each may import those before it.
+LAYERS = ["gks.scheme", "gks.modes", "gks.bounds", "gks.solvers", "gks.campaigns", "gks.reports"]
 SLOW = {"numpy", "scipy", "sympy", "matplotlib", "flint", "mpmath", "hypothesis", "distributed"}
 FOLDERS = {"gks.solvers": ROOT / "solvers", "gks.reports": ROOT / "reports"}
 START_UP = ["gks/__init__.py", "gks/__main__.py", "gks/cli.py", "gks/commands.py", "gks/api.py", "gks/files.py"]

@@ -9,7 +9,8 @@ from flint import ctx, fmpz_poly
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from gks.modes.algebraic import Position, Root, Side, factored_roots, isolated_roots, reciprocal
+from gks.modes.algebraic import Isolation, Position, Root, Side, factored_roots, isolated_roots, reciprocal
+from gks.modes.numerals import midpoint
 
 x = fmpz_poly([0, 1])
 TINY = 10**300
@@ -161,3 +162,17 @@ class TestNumber:
         with ctx.workprec(200):
             assert (3 * ball).contains(1)
         assert ball.rel_accuracy_bits() >= 150
+
+
+def test_a_ball_depends_on_the_number_and_the_precision_alone() -> None:
+    """Isolations are shared: what was asked before must not show in the digits of what is asked now."""
+    poly = fmpz_poly([-7, 3, 0, -2, 0, 5])
+    for asked in ([80], [1000, 80], [80, 300, 80], [129, 64, 80]):
+        fresh = Isolation(poly)
+        for bits in asked:
+            found = [fresh.ball(k, bits) for k in range(len(fresh))]
+            together = fresh.balls(bits)
+        expected = Isolation(poly)
+        again = [expected.ball(k, asked[-1]) for k in range(len(expected))]
+        assert [midpoint(ball) for ball in found] == [midpoint(ball) for ball in again]
+        assert [midpoint(ball) for ball in together] == [midpoint(ball) for ball in expected.balls(asked[-1])]

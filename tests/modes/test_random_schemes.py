@@ -17,6 +17,7 @@ from hypothesis import strategies as st
 from gks.errors import InputError
 from gks.modes import ModesResult, Verdict, analyse
 from gks.modes.kreiss import normal_mode_problem
+from gks.modes.verdict import Mode, ModeKind
 from gks.modes.wide import wide_modes
 from gks.scheme.model import Scheme
 from tests.modes.random_drafts import random_draft
@@ -56,6 +57,15 @@ def growing(found: ModesResult) -> float:
     return max((float(m.modulus) for m in found.modes if m.kind.value == "growing"), default=1.0)
 
 
+def split_by_rounding(found: ModesResult) -> float:
+    """How far outside double precision may see an eigenvalue on the circle: an m-fold one, which the finite matrix has
+    in Jordan blocks of up to m, splits by the m-th root of the rounding. That is 2**-53 times norms of eigenvectors,
+    some 2**17 with the third-order extrapolations drawn; simple ones are given the fading excess of the interior.
+    """
+    most = max((m.multiplicity for m in found.modes if m.kind.value in ("eigenvalue", "generalized")), default=1)
+    return float(max(1e-4, 2.0 ** (-36 / most)))
+
+
 def slowest_decay(found: ModesResult) -> float:
     """The largest factor from cell to cell inwards among the components of the mode that grows most."""
     worst = max((m for m in found.modes if m.kind.value == "growing"), key=lambda m: m.modulus)
@@ -73,14 +83,12 @@ def agree(draft: Draft, cells: int) -> None:
         assert predicted == 1
         return
     assert (found.verdict is Verdict.UNSTABLE) == (predicted > 1)
-    coarse, fine = (largest_modulus(scheme, scheme.values({}), n) for n in (cells, 2 * cells))
-    settled = abs(coarse - fine) < 1e-8 * fine
-    if predicted == 1:
-        # What settles outside is a mode. (A Jordan block on the circle splits by the root of the rounding.)
-        assert not (settled and fine > 1 + 1e-4)
-    elif settled:
-        assert np.isclose(fine, predicted, rtol=1e-5)
-    elif predicted > 1.1 and slowest_decay(found) ** (2 * cells) < 1e-6:
+    values = scheme.values({})
+    fine = largest_modulus(scheme, values, 2 * cells)
+    if fine <= 1 + split_by_rounding(found) if predicted == 1 else np.isclose(fine, predicted, rtol=1e-5):
+        return
+    assert abs(largest_modulus(scheme, values, cells) - fine) >= 1e-8 * fine, "what settles outside is a mode"
+    if predicted > 1.1 and slowest_decay(found) ** (2 * cells) < 1e-6:
         # A mode that hardly decays in space is seen late, and one near 1 among the truncated interior's own spectrum.
         assert abs(fine - predicted) < 1e-2 * predicted
 
@@ -98,29 +106,36 @@ def test_a_random_interface(draft: Draft) -> None:
 
 
 @given(SEEDS)
-@examples(11.0)
+@examples(13.0)
 def test_a_random_interior_with_a_random_closure(draft: Draft) -> None:
     agree(draft, 16 if len(draft.lines) == 1 else 10)
 
 
 @given(SEEDS)
-@examples(3.5)
+@examples(1.5)
 def test_the_count_of_zeros_agrees_with_elimination(draft: Draft) -> None:
     """The certified tier knows nothing of characteristic polynomials. It may say less, never otherwise."""
     scheme, found = judged(draft)
     problem = normal_mode_problem(scheme, scheme.values({}))
     assume(found.tier == "exact" and found.solvable and not problem.coupled and problem.size)
     counted = wide_modes(problem)
-    # Multiplicities are left aside: a norm counts a zero once for every sheet that shares it.
-    mine = sorted({float(m.modulus) for m in found.modes if m.kind.value == "growing"})
-    theirs = sorted({float(m.modulus) for m in counted.modes if m.kind.value == "growing"})
+    mine, theirs = ([m for m in each.modes if m.kind is ModeKind.GROWING] for each in (found, counted))
+    matches = [[m for m in mine if close(m, t)] for t in theirs]
     if counted.certified:
-        np.testing.assert_allclose(theirs, mine, rtol=1e-12)
+        assert len(mine) == len(theirs)
+        assert all(
+            [m.multiplicity for m in match] == [t.multiplicity] for match, t in zip(matches, theirs, strict=True)
+        )
         on_circle = {m.kind.value for m in counted.modes} & {"eigenvalue", "generalized"}
         assert on_circle == {m.kind.value for m in found.modes} & {"eigenvalue", "generalized"}
     else:
         assert counted.doubts
-        assert all(min(abs(m - t) for m in mine) < 1e-9 * t for t in theirs if t > 1 + 1e-9)
+        assert all(matches)
+
+
+def close(one: Mode, other: Mode) -> bool:
+    """Whether the discs round two modes meet."""
+    return sum((a - b) ** 2 for a, b in zip(one.z, other.z, strict=True)) <= (one.radius + other.radius) ** 2
 
 
 WAYS: tuple[Callable[[Draft, Random], Draft], ...] = (
@@ -133,7 +148,7 @@ WAYS: tuple[Callable[[Draft, Random], Draft], ...] = (
 
 
 @given(SEEDS, st.sampled_from(WAYS), st.integers(0, 99))
-@examples(5.0)
+@examples(4.0)
 def test_how_it_is_written_changes_nothing(draft: Draft, way: Callable[[Draft, Random], Draft], seed: int) -> None:
     (_, one), (_, other) = judged(draft), judged(way(draft, Random(seed)))
     assert (one.verdict, one.reason, one.tier) == (other.verdict, other.reason, other.tier)
