@@ -168,11 +168,15 @@ class LoadedScheme:
     ) -> Theorem:
         """The stable region over the ranged parameter not given, proved; others not given take their defaults.
 
+        The CFL number takes no value: it is what the theorem bounds.
+
         ``limit`` in seconds; ``progress`` is told the stages. What cannot be proved says why and carries the curve.
         """
         from gks.bounds.proof import prove
 
         given = _merged(values, named)
+        if self.scheme.cfl in given:
+            raise ParameterError("it is what the theorem bounds", path=self.scheme.cfl, mend="leave it out")
         free = [p.name for p in self.scheme.parameters if p.name not in given]
         return prove(self.scheme, self.scheme.values(given, free), limit, progress)
 

@@ -73,6 +73,9 @@ class MarchResult:
     predicted : largest modulus of an admissible mode, None where there is none (nothing is claimed then).
     observed, uncertainty : growth per step and the half-width of its 99 % interval.
     agrees : see `_agrees`; remark : what the march could not tell, or how it disagrees.
+    told : whether the march could have said no: False where `agrees` only means that nothing contradicts (`_told`).
+    interior : why the interior scheme alone decides the verdict, empty where it does not. What is compared is the
+    boundary's mode all the same, and its agreement says nothing of the interior's waves.
     method : which march was observed; cells, steps : the sizes of the one from random data.
     histories : the marches as they went, the observed one first.
     """
@@ -87,6 +90,8 @@ class MarchResult:
     steps: int
     time_s: float
     histories: tuple[History, ...] = ()
+    told: bool = True
+    interior: str = ""
 
     @property
     def history(self) -> History:
@@ -110,17 +115,36 @@ class MarchResult:
             "relative_difference": self.relative_difference,
             "agrees": self.agrees,
             "time_s": self.time_s,
+            "told": self.told,
+            "because": self.because,
         }
+
+    @property
+    def because(self) -> str:
+        """What `agrees` rests on, in words."""
+        return "; ".join(part for part in (self.remark or self._plainly(), self.interior) if part)
+
+    def _plainly(self) -> str:
+        if not self.told:
+            return NOT_RESOLVED
+        if self.predicted is None:
+            return "no mode was predicted, and random data do not grow"
+        return "observed and predicted are the same within the uncertainty"
 
     def __str__(self) -> str:
         predicted = "no admissible mode" if self.predicted is None else f"{self.predicted:.10g}"
         lines = [
             f"predicted  {predicted}",
             f"observed   {self.observed:.10g} ± {self.uncertainty:.2g} ({CONFIDENCE:.0%} confidence, {self.method})",
-            f"{'agrees' if self.agrees else 'DISAGREES'}" + (f": {self.remark}" if self.remark else ""),
+            f"{'agrees' if self.agrees else 'DISAGREES'}" + (f": {self._aside()}" if self._aside() else ""),
+            *([f"interior   {self.interior}"] if self.interior else []),
             f"{' and '.join(map(str, self.cells))} cells, {self.steps} steps, {self.time_s:.2f} s",
         ]
         return "\n".join(lines)
+
+    def _aside(self) -> str:
+        """What stands beside the answer: the remark, or that the march resolves too little to tell."""
+        return self.remark or ("" if self.told else NOT_RESOLVED)
 
 
 def march(
@@ -153,9 +177,19 @@ def march(
         agrees, remark = _agrees(predicted, histories[0].growth, None if interior else free)
         remark = "; ".join(part for part in (remark, seen) if part)
     growth, method = histories[0].growth, histories[0].name
-    elapsed = time.perf_counter() - began
     return MarchResult(
-        predicted, growth.rate, growth.uncertainty, agrees, method, remark, free.cells, free.steps, elapsed, histories
+        predicted=predicted,
+        observed=growth.rate,
+        uncertainty=growth.uncertainty,
+        agrees=agrees,
+        method=method,
+        remark=remark,
+        cells=free.cells,
+        steps=free.steps,
+        time_s=time.perf_counter() - began,
+        histories=histories,
+        told=not agrees or _told(predicted, growth, free.steps, interior),
+        interior=result.because if interior else "",
     )
 
 
@@ -236,6 +270,8 @@ def _observation(
 
 CANNOT_TELL = "the march cannot tell"
 
+NOT_RESOLVED = "nothing contradicts, but this march cannot tell"
+
 RANDOM, OWN, FORCED = "random data", "from the mode", "forced at z"
 
 
@@ -265,3 +301,17 @@ def _agrees(predicted: float, seen: Growth, free: March | None) -> tuple[bool, s
     if abs(predicted - 1.0) <= seen.uncertainty:
         return True, "the march cannot tell this modulus from 1"
     return True, ""
+
+
+def _told(predicted: float | None, seen: Growth, steps: int, interior: bool) -> bool:
+    """Whether an agreement was observed, and is not only the lack of a contradiction.
+
+    A predicted modulus must be resolved to AGREEMENT. Without one, the whole interval must lie below what `_outgrows`
+    calls growth, and not above 1; or, where it is the interior that is said to grow, above both.
+    """
+    if seen.uncertainty == math.inf:
+        return False
+    if predicted is not None:
+        return seen.uncertainty <= AGREEMENT * max(predicted, seen.rate)
+    slack = math.exp(1.0 / max(1, steps))
+    return seen.exceeds(slack) if interior else seen.below(slack) and not seen.exceeds(1.0)

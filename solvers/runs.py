@@ -100,9 +100,9 @@ def run(
         exponents.append(marcher.exponent)
         if size > Marcher.CEILING:
             marcher.rescale(size)
-        elif source is None and size < 1.0 / Marcher.CEILING:
-            marcher.raise_fallen()
         recent = max(recent, size)
+        if source is None and size < 1.0 / Marcher.CEILING and marcher.raise_fallen():
+            recent = math.inf  # what was seen before is on another scale
         if number % 8 == 7:
             largest = float(numpy.abs(marcher.state).max())
             if largest > Marcher.CEILING:

@@ -77,16 +77,19 @@ class Marcher:
             numpy.multiply(level, 2.0**-power, out=level)
         self.exponent += power
 
-    def raise_fallen(self) -> None:
-        """Bring a state that has fallen below 1/CEILING as a whole back to order one; exact zeros stay.
+    def raise_fallen(self) -> bool:
+        """Bring a state that has fallen below 1/CEILING as a whole back towards order one; whether there was one.
 
-        Every level counts: the newest one may vanish for a step while an older one, which returns, does not.
+        Every level counts: the newest one may vanish for a step while an older one, which returns, does not. Exact
+        zeros stay. DUST bounds the factor, which would overflow for subnormal numbers.
         """
         import numpy
 
         largest = max(float(numpy.abs(level).max()) for level in self.levels)
-        if 0.0 < largest < 1.0 / self.CEILING:
-            self.rescale(largest)
+        fallen = 0.0 < largest < 1.0 / self.CEILING
+        if fallen:
+            self.rescale(max(largest, self.DUST))
+        return fallen
 
     def _tidy(self) -> None:
         import numpy

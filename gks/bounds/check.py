@@ -31,7 +31,7 @@ from gks.bounds.checkline import verify_line
 from gks.bounds.checknumbers import BITS, Real, ball_of, digest, fraction, real_roots, univariate
 from gks.bounds.checkpieces import verify_pieces, verify_single
 from gks.bounds.checkring import Unsupported, degree, factors, irreducible, parts_of
-from gks.errors import GksError
+from gks.errors import GksError, counted
 from gks.scheme.model import Scheme
 from gks.scheme.schemefile import parse_scheme
 
@@ -119,12 +119,12 @@ class _Checker:
         self.all_curves()
         for cell in self.cells:
             cell.verdicts()
-        self.steps.append(f"{len(self.cells)} cells: every verdict verified at the samples")
+        self.steps.append(f"{counted(len(self.cells), 'cell')}: every verdict verified at the samples")
         for k, cut in enumerate(self.cuts):
             cut.verify(self.cells[k], self.cells[k + 1])
-        self.steps.append(f"{len(self.cuts)} cuts verified")
+        self.steps.append(f"{counted(len(self.cuts), 'cut')} verified")
         verify_pieces(self.data["pieces"], self)
-        self.steps.append(f"{len(self.data['pieces'])} pieces: formulas and numbers verified")
+        self.steps.append(f"{counted(len(self.data['pieces']), 'piece')}: formulas and numbers verified")
 
     # Reading --------------------------------------------------------------------------------------------------------
 
@@ -166,7 +166,7 @@ class _Checker:
         for text in own:
             if text not in given:
                 raise Rejected(f"the boundary curve {text} is missing")
-        self.steps.append(f"{len(own)} boundary curves derived anew, all of them in the certificate")
+        self.steps.append(f"{counted(len(own), 'boundary curve')} derived anew, all of them in the certificate")
 
     def all_cuts(self) -> None:
         """The cuts are exactly the critical parameters of the curves."""
@@ -187,4 +187,4 @@ class _Checker:
         for left, right in pairwise(self.cuts):
             if not left.root.ball() < right.root.ball():
                 raise Rejected("the cuts are not in order")
-        self.steps.append(f"{len(found)} critical parameters found anew, the cuts of the certificate")
+        self.steps.append(f"{counted(len(found), 'critical parameter')} found anew, the cuts of the certificate")

@@ -18,7 +18,7 @@ from gks.bounds.points import Columns, Points, lam_max_of, rows_of, tier_of, und
 from gks.bounds.sweep import Point, Sweep
 from gks.bounds.timelimit import OverTime, limited
 from gks.errors import InputError, ParameterError, quoted
-from gks.modes.numerals import text_real
+from gks.modes.numerals import text_exact
 from gks.scheme.model import Scheme
 
 if TYPE_CHECKING:
@@ -94,7 +94,7 @@ class Curve:
             if k != self.scheme.cfl and (not self.sweep or k != self.sweep.name)
         }
         if fixed:
-            lines.append("  at " + ", ".join(f"{name} = {text_real(value)}" for name, value in fixed.items()))
+            lines.append("  at " + ", ".join(f"{name} = {text_exact(value)}" for name, value in fixed.items()))
         name = self.sweep.name if self.sweep else ""
         lines.append(f"  {name:<22} {self.scheme.cfl + '_max':<22} limited by  stable set")
         shown = (

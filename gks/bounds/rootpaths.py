@@ -10,7 +10,8 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 
 from gks.bounds.sweep import Point, Sweep
-from gks.modes.numerals import json_real, text_real
+from gks.errors import counted
+from gks.modes.numerals import json_real, text_exact, text_real
 from gks.modes.verdict import ModeKind
 from gks.scheme.model import Scheme
 
@@ -85,7 +86,7 @@ class RootMap:
 
     def __str__(self) -> str:
         name, values = self.sweep.name, self.sweep.values
-        fixed = ", ".join(f"{k} = {text_real(v)}" for k, v in self.parameters.items() if k != name)
+        fixed = ", ".join(f"{k} = {text_exact(v)}" for k, v in self.parameters.items() if k != name)
         lines = [self.scheme.title] + ([f"  at {fixed}"] if fixed else [])
         for k, track in enumerate(self.tracks):
             times = f", {track.multiplicity} times" if track.multiplicity > 1 else ""
@@ -96,7 +97,7 @@ class RootMap:
                 lines.append(f"  {text_real(Fraction(values[at])):<22} {shown or 'none'}")
         for at, text in self.faults.items():
             lines.append(f"  at {name} = {text_real(Fraction(values[at]))}: {text}")
-        lines += ["", f"  ({len(values)} values, {len(self.tracks)} roots, {self.time_s:.3g} s)"]
+        lines += ["", f"  ({counted(len(values), 'value')}, {counted(len(self.tracks), 'root')}, {self.time_s:.3g} s)"]
         return "\n".join(lines)
 
 

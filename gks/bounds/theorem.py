@@ -58,6 +58,10 @@ class Cellwise:
     k: int
 
 
+GENERALIZED = "generalized"
+"""That verdict, without loading the analysis for its name."""
+
+
 @dataclass(frozen=True, slots=True)
 class Edge:
     """An end of a piece; ``included`` where the piece's formulas hold there as well."""
@@ -73,6 +77,9 @@ class Piece:
     """An interval of the parameter, or a single value where both edges are the same.
 
     ``at_bound`` is the verdict at lam = bound, decided at a sample of every cell; None for a bound of 0 or infinity.
+    Stable and neutral hold all over a cell: a decaying kappa meets the circle on a curve only, and the curves' meetings
+    are cuts. Generalized is a rank at the sample: where the amplitude of the kappa on the circle has isolated zeros,
+    the scheme is neutral there, which the statement allows for.
     ``exceptions`` are the values of the parameter, between cells and at included ends, with another verdict there.
     ``start`` and ``end`` are None where there is no parameter.
     """
@@ -88,6 +95,12 @@ class Piece:
     @property
     def is_point(self) -> bool:
         return self.start is not None and self.end is not None and self.start.text == self.end.text
+
+    @property
+    def reserve(self) -> str:
+        """What the statement allows for beside ``at_bound``."""
+        everywhere = self.is_point or self.start is None or self.at_bound != GENERALIZED
+        return "" if everywhere else " (at isolated values perhaps neutral)"
 
     @property
     def closed_form(self) -> bool:
@@ -273,7 +286,7 @@ def _on_bound(piece: Piece, lam: str, name: str | None) -> str:
         f"{verdict} at {name} = {' and '.join(edge.text for edge in edges)}"
         for verdict, edges in _exceptions(piece).items()
     ]
-    return f"{place}: {', '.join([piece.at_bound, *others])}"
+    return f"{place}: {', '.join([piece.at_bound + piece.reserve, *others])}"
 
 
 def _exceptions(piece: Piece) -> dict[str, list[Edge]]:
@@ -291,7 +304,7 @@ def _on_bound_latex(piece: Piece, name: str | None) -> str:
     for verdict, edges in _exceptions(piece).items():
         places = r" \text{ and } ".join(edge.latex for edge in edges)
         others.append(rf"\text{{{verdict} at }} {latex_name(name or '')} = {places}")
-    return COMMA.join([rf"\text{{on the bound {piece.at_bound}}}", *others])
+    return COMMA.join([rf"\text{{on the bound {piece.at_bound}{piece.reserve}}}", *others])
 
 
 def _sets_latex(piece: Piece, lam: str) -> str:

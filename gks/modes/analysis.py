@@ -17,13 +17,13 @@ from gks.modes.foreign import ForeignZeros, genuine
 from gks.modes.interior import interior_stability
 from gks.modes.judgement import judge, z_ball
 from gks.modes.kreiss import NormalModeProblem, normal_mode_problem, require_square, spatial_problem
-from gks.modes.numerals import modulus_of
+from gks.modes.numerals import modulus_of, text_real
 from gks.modes.order import multiplicity
 from gks.modes.polynomial import Degenerate, Elimination, Factor, TooWide, characteristic_factors
 from gks.modes.route import beyond_elimination
 from gks.modes.solvable import degenerate_closure, determines_next_level, independent_at_sample
 from gks.modes.undecided import Undecided
-from gks.modes.verdict import Mode, ModeKind, ModesResult, Reason, Verdict
+from gks.modes.verdict import Mode, ModeKind, ModesResult, Reason, Verdict, text_modulus
 from gks.scheme.model import Scheme
 
 
@@ -98,10 +98,8 @@ def _judge(
         return Verdict.UNSTABLE, "closure", "the closure does not determine the next time level (a mode at z = oo)"
     kinds = {mode.kind for mode in modes}
     if ModeKind.GROWING in kinds:
-        worst = max(
-            float(m.modulus) if m.modulus < 10**300 else float("inf") for m in modes if m.kind is ModeKind.GROWING
-        )
-        return Verdict.UNSTABLE, "closure", f"a normal mode grows, abs(z) = {worst:.15g}"
+        worst = max((m for m in modes if m.kind is ModeKind.GROWING), key=lambda m: m.modulus)
+        return Verdict.UNSTABLE, "closure", f"a normal mode grows, abs(z) = {text_modulus(worst)}"
     if doubts:
         return Verdict.UNDECIDED, "closure", "; ".join(doubts)
     if ModeKind.GENERALIZED in kinds:
@@ -284,7 +282,7 @@ def eliminated(problem: NormalModeProblem) -> Elimination:
 
 
 def _modulus_text(problem: NormalModeProblem, candidate: Candidate) -> str:
-    return f"{float(modulus_of(z_ball(problem, candidate))):.15g}"
+    return text_real(modulus_of(z_ball(problem, candidate)))
 
 
 def candidates_of(problem: NormalModeProblem, factor: Factor) -> Iterator[Candidate]:

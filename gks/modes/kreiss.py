@@ -27,7 +27,7 @@ from typing import Protocol, Self, TypeVar
 
 from flint import acb, fmpz_mpoly
 
-from gks.errors import SchemeError, Where
+from gks.errors import ParameterError, SchemeError, Where, quoted
 from gks.modes.algebraic import Position, Root
 from gks.modes.characteristic import fields_of
 from gks.modes.coefficients import Coefficients, Ratio, common_denominator
@@ -150,7 +150,12 @@ def spatial_problem(
     blocks: list[Block] = []
     for half_line in scheme.domains:
         ghosts = half_line.first - lowest[half_line.name]
-        for each in fields_of(half_line, coefficients, resolvent):
+        try:
+            fields = fields_of(half_line, coefficients, resolvent)
+        except ParameterError as error:
+            where = Where(scheme.path or scheme.name)
+            raise _placed(error, where, f"{error.message} in the interior of {quoted(half_line.name)}") from None
+        for each in fields:
             blocks.append(_block(each, ghosts, families, coefficients, resolvent))
     rows = closure_rows(scheme, lowest, [block.field for block in blocks], coefficients, resolvent)
     time_map = None
@@ -171,7 +176,7 @@ def require_square(problem: NormalModeProblem) -> None:
     raise SchemeError(
         f"the interior scheme has {columns - (problem.size - given)} decaying solutions for abs(z) > 1 "
         f"and the closure gives {given} equations",
-        where=Where(scheme.path or scheme.name),
+        where=scheme.closure_place,
         path="closure.equations",
         expected="one closure equation for each decaying solution",
         mend="move `first` or rewrite the interior so that each equation is centred on the cell it updates",
@@ -237,11 +242,19 @@ def closure_rows(
     scheme: Scheme, lowest: Mapping[str, int], fields: Sequence[Field], coefficients: Coefficients, resolvent: Resolvent
 ) -> list[tuple[Term, ...]]:
     """The closure in terms of the fields, a row for each equation, and for each value that nothing reads."""
-    rows = [
-        _row(equation.form.terms, scheme, lowest, fields, coefficients, resolvent)
-        for equation in scheme.closure.equations
-    ]
+    rows = []
+    for equation in scheme.closure.equations:
+        try:
+            rows.append(_row(equation.form.terms, scheme, lowest, fields, coefficients, resolvent))
+        except ParameterError as error:
+            where = Where(scheme.path or scheme.name, equation.line, equation.column)
+            raise _placed(error, where, f"{error.message} in {quoted(equation.text)}") from None
     return rows + _unread(scheme, lowest, fields, coefficients)
+
+
+def _placed(error: ParameterError, where: Where, message: str) -> ParameterError:
+    """The error of a formula that has no value, with the place of the formula."""
+    return ParameterError(message, where=where, path=error.path, expected=error.expected, mend=error.mend)
 
 
 def _row(

@@ -13,6 +13,9 @@ ComplexNumber = tuple[Fraction, Fraction]
 _DIGITS = 17
 """Decimal digits that determine a double; numbers beyond a double's range are printed with as many."""
 
+_MOST_DIGITS = 1000
+"""Decimal digits up to which a number is printed exactly."""
+
 
 def to_double(value: Fraction) -> float | None:
     """The nearest double, None where it overflows or a nonzero number would become 0 or lose bits as a subnormal."""
@@ -58,6 +61,15 @@ def text_real(value: Fraction) -> str:
     if double is None:
         return decimal_text(value, 15)
     return f"{double:.15g}"
+
+
+def text_exact(value: Fraction) -> str:
+    """The number itself: by `text_real` or a longer decimal where one spells it, else a fraction, unless too long."""
+    for text in (text_real(value), decimal_text(value, _MOST_DIGITS)):
+        if Fraction(text) == value:
+            return text
+    short = max(abs(value.numerator), value.denominator) < 10**_MOST_DIGITS
+    return str(value) if short else f"about {text_real(value)}"
 
 
 def text_complex(value: ComplexNumber, *, latex: bool = False) -> str:

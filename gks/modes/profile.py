@@ -34,9 +34,10 @@ from gks.modes.numerals import (
     midpoint,
     radius_of,
     text_complex,
+    text_exact,
     text_real,
 )
-from gks.modes.verdict import Mode, ModeKind, ModesResult
+from gks.modes.verdict import Mode, ModeKind, ModesResult, text_modulus
 from gks.scheme.model import HalfLine, Scheme
 
 PRECISIONS = (128, 256, 512, 1024, 2048, 4096, 8192)
@@ -145,12 +146,12 @@ class Profile:
         return text.getvalue()
 
     def __str__(self) -> str:
-        values = ", ".join(f"{name} = {text_real(value)}" for name, value in self.parameters.items())
+        values = ", ".join(f"{name} = {text_exact(value)}" for name, value in self.parameters.items())
         mode = self.mode
         lines = [
             self.scheme.title,
             f"  at {values}",
-            f"  mode {self.number}: z = {text_complex(mode.z)}, abs(z) = {text_real(mode.modulus)}, {mode.kind.value}",
+            f"  mode {self.number}: z = {text_complex(mode.z)}, abs(z) = {text_modulus(mode)}, {mode.kind.value}",
         ]
         if len(self.shapes) > 1:
             lines.append(f"  {len(self.shapes)} independent modes belong to this z; a basis of them is given")

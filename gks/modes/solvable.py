@@ -17,7 +17,7 @@ from fractions import Fraction
 
 from flint import acb, ctx, fmpz_mpoly
 
-from gks.errors import GksError, SchemeError, Where
+from gks.errors import GksError, SchemeError
 from gks.modes.algebraic import GUARD_BITS, START_BITS, Position, Root
 from gks.modes.coupled import System
 from gks.modes.crossing import Branch, Chain, LocalMatrix, Space, systems_of, value_fields, value_rows
@@ -205,7 +205,7 @@ def refuse_undetermined(problem: NormalModeProblem) -> None:
     what = ", ".join(names) if names else "some boundary value"
     raise SchemeError(
         f"{what} {'are' if len(names) > 1 else 'is'} left undetermined: closure and interior do not give level n+1",
-        where=Where(scheme.path or scheme.name),
+        where=scheme.closure_place,
         path="closure.equations",
         expected="equations that can be solved for every boundary value at the new level",
         mend=f"add {what} to an equation, or move `first`",
@@ -289,7 +289,7 @@ def degenerate_closure(problem: NormalModeProblem) -> SchemeError:
     """The error for a Delta that is zero for every z."""
     return SchemeError(
         "the closure is degenerate at these values: its determinant vanishes for every z",
-        where=Where(problem.scheme.path or problem.scheme.name),
+        where=problem.scheme.closure_place,
         path="closure.equations",
         expected="equations that are independent on the decaying solutions",
         mend="look for an equation that repeats another one, or that the interior scheme already implies",

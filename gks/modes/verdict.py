@@ -8,7 +8,16 @@ from enum import Enum
 from fractions import Fraction
 from typing import Literal
 
-from gks.modes.numerals import ComplexNumber, json_complex, json_real, rounding_of, text_complex, text_real
+from gks.modes.numerals import (
+    ComplexNumber,
+    decimal_text,
+    json_complex,
+    json_real,
+    rounding_of,
+    text_complex,
+    text_exact,
+    text_real,
+)
 from gks.scheme.model import Scheme
 
 
@@ -79,6 +88,25 @@ class Mode:
         }
 
 
+def text_modulus(mode: Mode) -> str:
+    """abs(z) to 15 digits; where they read 1 and the root is off the circle, by how much, or the bound known of that.
+
+    The distance is (abs(z)**2 - 1)/(abs(z) + 1): nothing cancels, since ``z`` is exact. Three digits of it are printed
+    where the radius leaves them.
+    """
+    text = text_real(mode.modulus)
+    off = mode.kind in (ModeKind.GROWING, ModeKind.DECAYING)
+    if text != "1" or not (off or (mode.kind is ModeKind.INADMISSIBLE and mode.modulus != 1)):
+        return text
+    distance = (mode.z[0] ** 2 + mode.z[1] ** 2 - 1) / (mode.modulus + 1)
+    if abs(distance) > 1000 * mode.radius:
+        return f"1 {'+' if distance > 0 else '-'} {decimal_text(abs(distance), 3)}"
+    if not off:
+        return text
+    most = decimal_text(2 * (abs(distance) + mode.radius), 1)  # twice: rounding to one digit takes off a third at most
+    return f"1 {'+' if mode.kind is ModeKind.GROWING else '-'} less than {most}"
+
+
 @dataclass(frozen=True, slots=True)
 class ModesResult:
     """The verdict at one set of parameter values, with the modes that decide it.
@@ -116,14 +144,14 @@ class ModesResult:
         }
 
     def __str__(self) -> str:
-        values = ", ".join(f"{name} = {text_real(value)}" for name, value in self.parameters.items())
+        values = ", ".join(f"{name} = {text_exact(value)}" for name, value in self.parameters.items())
         lines = [self.scheme.title, f"  at {values}", f"  {self.verdict.value}: {self.because}"]
         if self.modes:
             lines.append("")
             lines.append(f"  {'z':<46} {'abs(z)':<22} mult  kind")
         for mode in self.modes:
             lines.append(
-                f"  {text_complex(mode.z):<46} {text_real(mode.modulus):<22} {mode.multiplicity:<5} {mode.kind.value}"
+                f"  {text_complex(mode.z):<46} {text_modulus(mode):<22} {mode.multiplicity:<5} {mode.kind.value}"
             )
         tier = f"{self.tier}, certified" if self.certified and self.tier != "certified" else self.tier
         lines += ["", f"  ({tier}, {self.time_s:.3g} s)"]
@@ -131,7 +159,7 @@ class ModesResult:
 
     def _repr_latex_(self) -> str:
         rows = r" \\ ".join(
-            f"{text_complex(mode.z, latex=True)} & {text_real(mode.modulus)} & {mode.multiplicity} & "
+            f"{text_complex(mode.z, latex=True)} & {text_modulus(mode)} & {mode.multiplicity} & "
             rf"\text{{{mode.kind.value}}}"
             for mode in self.modes
         )

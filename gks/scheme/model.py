@@ -12,7 +12,7 @@ from decimal import Decimal
 from fractions import Fraction
 from typing import Literal
 
-from gks.errors import ParameterError, TooLarge, quoted
+from gks.errors import ParameterError, TooLarge, Where, quoted
 from gks.scheme.expression import Expr
 from gks.scheme.numbers import rational
 from gks.scheme.suggest import nearest
@@ -206,6 +206,13 @@ class Scheme:
     def cfl(self) -> str:
         """The name of the parameter whose stable bound is sought."""
         return next(p.name for p in self.parameters if p.role == "cfl")
+
+    @property
+    def closure_place(self) -> Where:
+        """Where the closure is written: the place of its first equation, for faults of the closure as a whole."""
+        file = self.path or self.name
+        first = self.closure.equations[:1]
+        return Where(file, first[0].line, first[0].column) if first else Where(file)
 
     def parameter(self, name: str) -> Parameter:
         """The parameter of that name; ParameterError if there is none."""

@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from gks import catalogue
+from gks.api import load
 from gks.bounds.cfl import stable_set
 from gks.bounds.curve import curve
 from gks.bounds.pointverdict import verdict_at
@@ -19,6 +20,7 @@ from gks.bounds.proving import checked_region, prove_here
 from gks.bounds.sweep import of_values
 from gks.bounds.theorem import Piece, Theorem
 from gks.catalogue import find
+from gks.errors import ParameterError
 from gks.modes.analysis import analyse
 from gks.modes.numerals import exact_fraction
 from gks.modes.verdict import Verdict
@@ -302,6 +304,11 @@ def test_a_time_limit_ends_the_work_and_leaves_a_curve_or_nothing() -> None:
     assert not found.proved
     assert "time limit" in str(found.reason)
     assert found.to_json()["status"] == "not-proved"
+
+
+def test_the_cfl_number_takes_no_value_in_a_theorem() -> None:
+    with pytest.raises(ParameterError, match=r"^lam: it is what the theorem bounds; leave it out$"):
+        load("traditional-1").prove(lam="1/7")
 
 
 def test_prove_in_its_own_process_gives_the_same() -> None:

@@ -96,7 +96,7 @@ def agree(draft: Draft, cells: int) -> None:
 @given(scalar_drafts())
 @examples(1.0)
 def test_a_known_interior_with_a_random_closure(draft: Draft) -> None:
-    agree(draft, 24)
+    agree(draft, 16)
 
 
 @given(interface_drafts())

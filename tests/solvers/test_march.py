@@ -17,11 +17,13 @@ import gks.modes
 from gks.catalogue import find
 from gks.errors import NotAnalysable, ParameterError
 from gks.scheme.model import Scheme
+from gks.scheme.schemefile import parse_scheme
 from gks.solvers.growth import Growth, Trace
 from gks.solvers.march import (
     March,
     _agrees,
     _nothing_claimed,
+    _told,
     forced_response,
     march,
     march_growth,
@@ -253,6 +255,94 @@ class TestInsideTheCurveOfTheWaves:
         assert found is None or abs(found.growth.rate - 0.25) > 1e-2
 
 
+IMPLICIT_OUTFLOW = """
+title = "implicit outflow"
+[parameters]
+lam = { role = "cfl", default = "3" }
+[interior]
+space = "upwind2"
+time = "crank-nicolson"
+[domains.A]
+side = "right"
+unknowns = ["u"]
+flux = [["1"]]
+first = 3
+[closure]
+equations = ["u[2] = 0*u[3]", "u[1] = 0*u[3]"]
+"""
+
+
+class TestDecayOverHundredsOfOrders:
+    """A state that falls as a whole is scaled up again: only zeros are zero."""
+
+    @pytest.mark.parametrize("steps", [200, 1024])
+    def test_the_rate_does_not_depend_on_where_doubles_end(self, steps: int) -> None:
+        """Diagonal of the step: (1 - 3 lam/4)/(1 + 3 lam/4), -5/13 at lam = 3; (5/13)**1024 is 1e-425."""
+        scheme = parse_scheme(IMPLICIT_OUTFLOW, "implicit outflow")
+        found = march_growth(scheme, scheme.values({}), steps=steps)
+        assert abs(found.growth.rate - 5 / 13) <= found.growth.uncertainty < 0.01
+        assert found.steps == steps
+        last = found.trace.log_sizes()[-1]
+        assert last == pytest.approx(steps * math.log(5 / 13), abs=0.1 * steps)
+
+    def test_a_fall_by_more_than_the_ceiling_in_one_step(self) -> None:
+        scheme = half_line("u[i, n+1] = 10**-130*u[i]", '"u[-1] = 0*u[0]"')
+        found = march_growth(scheme, scheme.values({}), steps=40)
+        assert found.trace.log_sizes()[-1] == pytest.approx(-40 * 130 * math.log(10), rel=1e-3)
+
+    def test_what_is_zero_after_a_few_steps_stays_zero(self) -> None:
+        """u[i, n+1] = u[i+1]: all of it has left after as many steps as it filled cells."""
+        scheme = half_line("u[i, n+1] = u[i+1]", '"u[-1] = 0*u[0]"')
+        found = march_growth(scheme, scheme.values({}))
+        assert (found.growth.rate, found.growth.uncertainty) == (0.0, 0.0)
+
+
+class TestWhatAnAgreementRestsOn:
+    def test_an_interior_that_grows_is_named_beside_a_boundary_mode_that_agrees(self) -> None:
+        """Forward Euler, fourth order centred, unstable at every lam; the closure has a decaying mode of its own."""
+        text = """
+title = "unstable interior"
+[parameters]
+lam = { role = "cfl", default = "1" }
+[interior]
+space = "central4"
+time = "forward-euler"
+[domains.A]
+side = "right"
+unknowns = ["u"]
+flux = [["-1"]]
+first = 1
+[closure]
+equations = ["dt(u[0]) = 1*(u[1] - u[0])", "dt(u[-1]) = 1*(u[0] - u[-1])"]
+"""
+        scheme = parse_scheme(text, "unstable interior")
+        found = march(scheme, scheme.values({}), steps=256)
+        assert found.agrees and found.predicted is not None and found.predicted < 1
+        assert any(line.startswith("interior ") and "not Cauchy-stable" in line for line in str(found).splitlines())
+        assert "not Cauchy-stable" in str(found.to_json()["because"])
+
+    def test_a_stable_interior_is_not_mentioned(self) -> None:
+        found = march(traditional(), traditional().values({"alpha": 5}), steps=256)
+        assert found.told and "interior" not in str(found)
+
+    def test_a_program_can_tell_an_agreement_from_the_lack_of_a_contradiction(self) -> None:
+        scheme = traditional()
+        resolved = march(scheme, scheme.values({"alpha": 1})).to_json()
+        too_short = march(scheme, scheme.values({"alpha": 1}), steps=1).to_json()
+        assert (resolved["agrees"], resolved["told"]) == (True, True)
+        assert (too_short["agrees"], too_short["told"]) == (True, False)
+        assert "cannot tell" in str(too_short["because"])
+
+    def test_the_uncertainty_must_resolve_the_rate(self) -> None:
+        assert _told(1.2, Growth(1.2, 1e-4, ""), 1000, interior=False)
+        assert not _told(1.2, Growth(1.2, 0.1, ""), 1000, interior=False)
+        assert _told(None, Growth(0.9, 0.05, ""), 1000, interior=False)
+        assert not _told(None, Growth(0.9, 0.2, ""), 1000, interior=False)
+        assert not _told(None, Growth(1.0005, 1e-6, ""), 1000, interior=False)
+        assert _told(None, Growth(1.5, 0.1, ""), 1000, interior=True)
+        assert not _told(None, Growth(0.9, 0.01, ""), 1000, interior=True)
+
+
 class TestSizes:
     @pytest.mark.parametrize("sizes", [{"cells": 10**8}, {"steps": 10**8}, {"cells": 200_000, "steps": 10**8}])
     def test_a_huge_march_is_refused(self, sizes: dict[str, int]) -> None:
@@ -301,6 +391,7 @@ class TestOutput:
         text = json.dumps(found.to_json(), allow_nan=False)
         assert list(json.loads(text)) == [
             "schema", "predicted", "observed", "uncertainty", "relative_difference", "agrees", "time_s",
+            "told", "because",
         ]  # fmt: skip
         assert json.loads(text)["schema"] == "gks.march/1"
         unbounded = replace(found, uncertainty=math.inf)
