@@ -25,6 +25,7 @@ from gks.bounds.rayballs import stable_intervals_ball
 from gks.modes.algebraic import Root
 from gks.modes.cauchy_set import CauchySet
 from gks.modes.kreiss import NormalModeProblem
+from gks.modes.numerals import exact_fraction
 from gks.modes.unimodular import rational_ends
 from gks.modes.verdict import ModeKind
 from gks.modes.wide import VanishingDeterminant, WideModes, wide_modes
@@ -145,8 +146,8 @@ def _limited(spans: Sequence[Span], own: Fraction | None, error: float) -> Limit
 
 
 def _middle(number: arb) -> Fraction:
-    low, high = rational_ends(number)
-    return low if low == high else (low + high) / 2
+    """The midpoint itself: the ends would be rounded outwards, by more than a sharp ball's radius."""
+    return exact_fraction(number)
 
 
 def _relative(number: arb) -> float:
