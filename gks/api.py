@@ -13,7 +13,7 @@ from fractions import Fraction
 from numbers import Real
 from typing import TYPE_CHECKING, TypeVar, cast
 
-from gks.errors import ParameterError, TooLarge
+from gks.errors import ParameterError, TooLarge, quoted
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from gks.bounds.sweep import Sweep
     from gks.bounds.theorem import Theorem
     from gks.modes import ModesResult
-    from gks.modes.derive import Derivation
+    from gks.modes.derivation import Derivation
     from gks.modes.profile import Profile
     from gks.reports.notebook import PicturedCurve, PicturedMap, PicturedRadius
     from gks.scheme.model import Scheme
@@ -102,7 +102,7 @@ class LoadedScheme:
 
     def derive(self, values: Mapping[str, Value] | None = None, /, **named: Value) -> Derivation:
         """The characteristic polynomial, factored, and the map of its roots to z; parameters not given stay symbols."""
-        from gks.modes.derive import derive
+        from gks.modes.derivation import derive
 
         given = _merged(values, named)
         free = [p.name for p in self.scheme.parameters if p.name not in given]
@@ -126,8 +126,9 @@ class LoadedScheme:
         """The largest stable CFL number and all stable intervals: over one parameter, two, or at the one point given.
 
         A parameter that runs is given as an array, as text with colons, or by `sweep` as on the command line. Where the
-        CFL number itself runs, the result is the largest modulus of the modes. A point that takes over `limit` seconds
-        is flagged as undecided, and with `certify` also one that is not proved throughout.
+        CFL number itself runs, the result is the largest modulus of the modes, in one piece and in double precision.
+        A point that takes over `limit` seconds is flagged as undecided, and with `certify` also one that is not proved
+        throughout.
         A sweep may be shared by `jobs` processes, the workers of a Dask `scheduler` ("tcp://..."), or any `executor` of
         concurrent.futures, and may keep its finished chunks in the folder `resume`: a run that was ended goes on from
         there, and the points are the same bytes either way. `progress` is told points done, of how many.
@@ -138,24 +139,21 @@ class LoadedScheme:
 
         fixed, sweeps = _split(_merged(values, named))
         sweeps += map(parse_sweep, [sweep] if isinstance(sweep, str) else sweep)
-        if jobs is None and scheduler is None and executor is None and resume is None:
-            exact = self.scheme.values(fixed)
+        exact = self.scheme.values(fixed)
+        shared = not (jobs is None and scheduler is None and executor is None and resume is None)
+        if any(each.name == self.scheme.cfl for each in sweeps) and (shared or certify or limit is not None):
+            raise ParameterError(
+                f"over {quoted(self.scheme.cfl)} the modes' moduli are found in one piece, in double precision",
+                path="--sweep",
+                mend="leave out --jobs, --scheduler, --resume, --limit and --certify",
+            )
+        if not shared:
             return pictured(swept(self.scheme, exact, sweeps, progress, limit=limit, certify=certify))
+        from gks.campaigns.conduct import Conduct
         from gks.campaigns.sweeps import campaign_curve
 
-        shared = campaign_curve(
-            self.scheme,
-            self.scheme.values(fixed),
-            sweeps,
-            jobs=jobs,
-            scheduler=scheduler,
-            executor=executor,
-            resume=resume,
-            progress=progress,
-            limit=limit,
-            certify=certify,
-        )
-        return pictured(shared)
+        conduct = Conduct(jobs, scheduler, executor, resume, progress)
+        return pictured(campaign_curve(self.scheme, exact, sweeps, conduct, limit=limit, certify=certify))
 
     def prove(
         self,

@@ -123,15 +123,17 @@ def _curve(arguments: Namespace) -> str:
     from gks.api import load
 
     writers = {path: _writer(path) for path in arguments.outputs}  # refused, if at all, before the work is done
+    loaded = load(arguments.file)
+    over_lam = any(text.partition("=")[0].strip() == loaded.scheme.cfl for text in arguments.sweep)
     with _counted_to_a_terminal("points") as progress:
-        result = load(arguments.file).curve(
+        result = loaded.curve(
             settings(arguments.settings),
             sweep=arguments.sweep,
             jobs=arguments.jobs,
             scheduler=arguments.scheduler,
             resume=arguments.resume,
             progress=progress,
-            limit=_limit(arguments),
+            limit=arguments.limit if over_lam else _limit(arguments),
             certify=arguments.certify,
         )
     for path, write in writers.items():
@@ -261,7 +263,7 @@ def _report(arguments: Namespace) -> str:
 
 
 def _fuzz(arguments: Namespace) -> str:
-    from gks.campaigns.executors import workers
+    from gks.campaigns.conduct import Conduct
     from gks.campaigns.fuzz import fuzz
     from gks.campaigns.rate import Rate
     from gks.files import write_text
@@ -269,8 +271,8 @@ def _fuzz(arguments: Namespace) -> str:
     writers = {path: _writer(path, (".csv", ".json")) for path in arguments.outputs}
     if not os.path.isdir(arguments.save):
         raise InputError(f"no folder {quoted(arguments.save)}", path="--save", mend="make it first")
-    with workers(arguments.jobs, arguments.scheduler) as staff:
-        result = fuzz(arguments.count, arguments.seed, staff, arguments.resume, Rate("schemes"))
+    conduct = Conduct(arguments.jobs, arguments.scheduler, None, arguments.resume, Rate("schemes"))
+    result = fuzz(arguments.count, arguments.seed, conduct)
     for name, text in result.minimal_schemes().items():
         write_text(os.path.join(arguments.save, name), text)
     for path, write in writers.items():

@@ -23,6 +23,7 @@ from gks.bounds.curve import curve
 from gks.bounds.independent import verdicts_at
 from gks.bounds.sweep import parse_sweep
 from gks.catalogue import find, names
+from gks.catalogue.interfaces import COPIED, closure_lines, ghost_equations, two_media
 from gks.modes.analysis import analyse, quick_verdict
 from gks.modes.kreiss import normal_mode_problem
 from gks.modes.verdict import ModeKind
@@ -46,25 +47,6 @@ LAX_WENDROFF_NEUTRAL = Fraction(3)
 """The alpha at which the Lax-Wendroff interface is neutral for every lam < 1 (`gks prove` shows it)."""
 NEUTRAL_STEPS = 12
 """Secant steps to a neutral value: from a coarse bracket to far below DISTANCE."""
-
-INTERFACE = """
-title = "{scheme} interface, traditional coupling"
-[parameters]
-lam = {{ role = "cfl", default = 0.5 }}
-alpha = {{ default = 1 }}
-[interior]
-scheme = "{scheme}"
-[domains.L]
-side = "left"
-unknowns = ["u", "s"]
-flux = [["0", "-1"], ["-1", "0"]]
-[domains.R]
-side = "right"
-unknowns = ["u", "s"]
-flux = [["0", "-1/alpha"], ["-alpha", "0"]]
-[closure]
-equations = [{equations}]
-"""
 
 COLUMNS = ("what", "points", "seconds", "points/s", "baseline", "times the baseline", "target", "met")
 
@@ -251,10 +233,10 @@ def _beside(what: str, scheme: Scheme, values: Mapping[str, Fraction]) -> tuple[
 def interface(name: str) -> Scheme:
     """Two wave systems, coupled by the left velocity and the right stress, under a fully discrete scheme."""
     depth = 1 if name == "lax-wendroff" else 2
-    equations = []
-    for k in range(1, depth + 1):
-        equations += [f"L.u[{k}] = L.u[0]", f"L.s[{k}] = R.s[0]", f"R.u[{-k}] = L.u[0]", f"R.s[{-k}] = R.s[0]"]
-    return parse_scheme(INTERFACE.format(scheme=name, equations=", ".join(f'"{e}"' for e in equations)), name)
+    title = f"{name} interface, traditional coupling"
+    parameters = 'lam = { role = "cfl", default = 0.5 }\nalpha = 1'
+    copied = closure_lines(ghost_equations(1, depth, COPIED, COPIED))
+    return parse_scheme(two_media(title, parameters, f'scheme = "{name}"', copied), name)
 
 
 def neutral(scheme: Scheme, lam: Fraction) -> Fraction | None:

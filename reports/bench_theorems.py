@@ -18,6 +18,7 @@ from time import perf_counter
 from typing import Any
 
 from gks.bounds.subprocessing import environment
+from gks.catalogue.interfaces import closure_lines, ghost_equations, own_value, two_media
 from gks.reports.tables import Table
 from gks.solvers.work_precision import machine
 
@@ -53,24 +54,6 @@ INTERIORS = {
 LONGEST = 48
 """Characters of a formula or a reason that a row shows."""
 
-_INTERFACE = """title = "{title}"
-[parameters]
-lam = {{ role = "cfl", default = 0.5 }}
-alpha = {{ default = 1, range = [0, inf] }}
-[interior]
-{interior}
-[domains.L]
-side = "left"
-unknowns = ["u", "s"]
-flux = [["0", "-1"], ["-1", "0"]]
-[domains.R]
-side = "right"
-unknowns = ["u", "s"]
-flux = [["0", "-1/alpha"], ["-alpha", "0"]]
-[closure]
-{closure}
-"""
-
 
 @dataclass(frozen=True, slots=True)
 class Run:
@@ -86,19 +69,9 @@ def interface(name: str, order: int) -> str:
     """The traditional coupling of order 1 or 2 under an interior of INTERIORS, as the text of a scheme file."""
     interior, depth = INTERIORS[name]
     title = f"{name}, traditional coupling, order {order}"
-    return _INTERFACE.format(title=title, interior=interior, closure=_closure(order, depth))
-
-
-def _closure(order: int, depth: int) -> str:
-    """Interface values from the left and the right, and ghosts: equal to them, or by reflection in them."""
-    u, s = ("L.u[0]", "R.s[0]") if order == 1 else ("3/2*L.u[0] - 1/2*L.u[-1]", "3/2*R.s[0] - 1/2*R.s[1]")
-    equations = []
-    for k in range(depth):
-        for side, ghost, inside in (("L", k + 1, -k), ("R", -k - 1, k)):
-            for name in "us":
-                value = f"{name}_I" if order == 1 else f"2*{name}_I - {side}.{name}[{inside}]"
-                equations.append(f'"{side}.{name}[{ghost}] = {value}"')
-    return f'let = {{ u_I = "{u}", s_I = "{s}" }}\nequations = [{", ".join(equations)}]'
+    parameters = 'lam = { role = "cfl", default = 0.5 }\nalpha = { default = 1, range = [0, inf] }'
+    let = {"u_I": own_value("L", "u", order), "s_I": own_value("R", "s", order)}
+    return two_media(title, parameters, interior, closure_lines(ghost_equations(order, depth), let))
 
 
 def measure(progress: Callable[[str], None], limit: float = LIMIT, schemes: Mapping[str, str] | None = None) -> Table:

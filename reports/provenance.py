@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import platform
 from collections.abc import Mapping
+from functools import cache
 from importlib import metadata
 from typing import Any
 
@@ -13,10 +14,15 @@ from gks.reports.document import Code, Paragraph, Seconds, Section, Table, Text
 PACKAGES = ("python-flint", "numpy", "scipy", "sympy", "matplotlib")
 
 
+@cache
+def _installed(package: str) -> str:
+    return metadata.version(package)
+
+
 def versions() -> tuple[tuple[str, str], ...]:
     """The program's version and those of what it stands on."""
     found = [("gks", gks.__version__), ("Python", platform.python_version())]
-    return (*found, *((package, metadata.version(package)) for package in PACKAGES))
+    return (*found, *((package, _installed(package)) for package in PACKAGES))
 
 
 def provenance(records: Mapping[str, Mapping[str, Any]]) -> Section:

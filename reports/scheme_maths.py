@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 
-from gks.modes.derive import root_map
+from gks.modes.derivation import root_map
 from gks.reports.document import Block, Code, Formula, Maths, Paragraph, Section, Table, Text
 from gks.reports.formulas import (
     Node,

@@ -73,7 +73,7 @@ def _untimed(result: Mapping[str, Any]) -> Result:
 
 def derive(scheme: Scheme) -> Result:
     """The object of gks.derive/1."""
-    from gks.modes.derive import derive as derivation
+    from gks.modes.derivation import derive as derivation
 
     return _untimed(derivation(scheme, {}).to_json())
 

@@ -1,8 +1,8 @@
 """What earlier runs computed, kept beside the page: used only where it is provably what would be computed again.
 
-An entry is known by a key made of everything it depends on: the step with its arguments, the scheme's text, the
-version and the code of this package. It holds that key once more and a digest of its content; an entry that does
-not bear out both is no entry.
+An entry is known by a key made of everything it depends on: the step with its arguments, the scheme's text, this
+package's code, shipped schemes and style of pictures, and the versions of Python and of the packages below it. It holds
+that key once more and a digest of its content; an entry that does not bear out both is no entry.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from typing import Any
 
 import gks
 from gks.files import write_text
+from gks.reports.provenance import versions
 from gks.reports.steps import Step
 
 FOLDER = ".gks-cache"
@@ -57,7 +58,7 @@ class Store:
 def key_of(step: Step) -> str:
     """Everything that a step's result depends on, as one digest."""
     text = None if step.source is None else step.source[:2]
-    return digest([gks.__version__, code(), step.kind, dict(step.arguments), text])
+    return digest([versions(), code(), step.kind, dict(step.arguments), text])
 
 
 def digest(content: object) -> str:
@@ -65,16 +66,20 @@ def digest(content: object) -> str:
     return hashlib.sha256(json.dumps(content, sort_keys=True, allow_nan=False).encode()).hexdigest()
 
 
+SOURCES = (".py", ".toml", ".mplstyle")
+"""Endings of the files that results depend on: code, shipped schemes that steps load by name, the style of pictures."""
+
+
 @cache
 def code() -> str:
     """A digest of this package's own source: a version alone would outlive a change to the code."""
     total = hashlib.sha256()
-    for package in ("", "scheme", "modes", "bounds", "solvers", "reports"):
+    for package in ("", "scheme", "modes", "bounds", "catalogue", "solvers", "reports"):
         folder = os.path.join(os.path.dirname(os.path.abspath(gks.__file__)), package)
         if not os.path.isdir(folder):  # installed from the tree by reference: solvers and reports lie beside gks
             folder = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(gks.__file__))), package)
         for name in sorted(os.listdir(folder)):
-            if name.endswith(".py"):
+            if name.endswith(SOURCES):
                 with open(os.path.join(folder, name), "rb") as file:
                     total.update(name.encode() + b"\0" + hashlib.sha256(file.read()).digest())
     return total.hexdigest()

@@ -22,6 +22,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from math import comb
 
+from gks.catalogue.interfaces import COPIED, UPWIND, closure_lines, ghost_equations, two_media
 from gks.scheme.numbers import decimal_text
 
 TINY = Fraction(1, 10**14)
@@ -58,27 +59,17 @@ def _power(exponent: int) -> Fraction:
 
 # Two media ------------------------------------------------------------------------------------------------------------
 
-_MEDIA = """
-title = "Two media, first-order traditional coupling"
-[parameters]
+_MEDIA = two_media(
+    "Two media, first-order traditional coupling",
+    """\
 lam = { role = "cfl", default = 1 }
 Z = 1        # impedance rho c of the right medium, 1 on the left
 cL = 1
-cR = 1
-[interior]
-space = "upwind1"
-time = "forward-euler"
-[domains.L]
-side = "left"
-unknowns = ["u", "s"]
-flux = [["0", "-cL"], ["-cL", "0"]]
-[domains.R]
-side = "right"
-unknowns = ["u", "s"]
-flux = [["0", "-cR/Z"], ["-cR*Z", "0"]]
-[closure]
-equations = ["L.u[1] = L.u[0]", "L.s[1] = R.s[0]", "R.u[-1] = L.u[0]", "R.s[-1] = R.s[0]"]
-"""
+cR = 1""",
+    UPWIND,
+    closure_lines(ghost_equations(1, 1, COPIED, COPIED)),
+    (("-cL", "-cL"), ("-cR/Z", "-cR*Z")),
+)
 
 
 def coupling_limit(z: Fraction, left: Fraction, right: Fraction) -> Fraction:

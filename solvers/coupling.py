@@ -14,6 +14,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from gks.catalogue.interfaces import UNIT, UPWIND, closure_lines, ghost_equations, own_value, two_media
+
 if TYPE_CHECKING:
     from gks.scheme.model import Scheme
 
@@ -92,56 +94,35 @@ def coupling_scheme(condition: Condition, order: int = 1, interior: str = "upwin
     """
     from gks.scheme.schemefile import parse_scheme
 
-    named = 'space = "upwind1"\ntime = "forward-euler"' if interior == "upwind1" else f'scheme = "{interior}"'
+    named = UPWIND if interior == "upwind1" else f'scheme = "{interior}"'
     name = f"{condition.name}-{order}-{interior}"
-    return parse_scheme(_TEXT.format(name=name, interior=named, closure=_closure(condition, order, interior)), name)
+    ghosts = ghost_equations(order, INTERIORS[interior], ("u_I_L", "s_I"), ("u_I_R", "s_I"))
+    closure = closure_lines(ghosts, _interface_values(condition, order))
+    text = two_media(name, _PARAMETERS, named, closure, (UNIT, ("-1/alpha", "-alpha*c**2")))
+    return parse_scheme(text + _ADMITTANCES, name)
 
 
-_TEXT = """
-title = "{name}"
-[parameters]
-lam   = {{ role = "cfl", default = 0.9, doc = "c_L dt/dx" }}
-alpha = {{ default = 1, doc = "rho_R/rho_L" }}
-c     = {{ default = 1, doc = "c_R/c_L" }}
+_PARAMETERS = """\
+lam   = { role = "cfl", default = 0.9, doc = "c_L dt/dx" }
+alpha = { default = 1, doc = "rho_R/rho_L" }
+c     = { default = 1, doc = "c_R/c_L" }"""
+
+_ADMITTANCES = """
 [definitions]
 e_L = "1"
 e_R = "1/(c*alpha)"
-[interior]
-{interior}
-[domains.L]
-side = "left"
-unknowns = ["u", "s"]
-flux = [["0", "-1"], ["-1", "0"]]
-[domains.R]
-side = "right"
-unknowns = ["u", "s"]
-flux = [["0", "-1/alpha"], ["-alpha*c**2", "0"]]
-[closure]
-{closure}
 """
 
 
-def _closure(condition: Condition, order: int, interior: str) -> str:
-    """The `[closure]` table: each side's own interface values, the condition's means of them, and the ghost values."""
-    lines = []
-    for unknown in "us":
-        for side, inner in (("L", -1), ("R", 1)):
-            near = f"{side}.{unknown}[0]"
-            own = near if order == 1 else f"3/2*{near} - 1/2*{side}.{unknown}[{inner}]"
-            lines.append(f'let.{unknown}_{side} = "{own}"')
+def _interface_values(condition: Condition, order: int) -> dict[str, str]:
+    """Each side's own values at the interface, and the condition's means of them."""
+    values = {f"{unknown}_{side}": own_value(side, unknown, order) for unknown in "us" for side in "LR"}
     velocity = _mean("u", condition.velocity)
     left, stress = _mean("u", condition.left_ghost or condition.velocity), _mean("s", condition.stress)
     if condition.crossed:
         velocity = left = f"{velocity} + e_L*e_R*(s_R - s_L)/(e_L + e_R)"
         stress = f"{stress} + (u_R - u_L)/(e_L + e_R)"
-    lines += [f'let.u_I_L = "{left}"', f'let.u_I_R = "{velocity}"', f'let.s_I = "{stress}"']
-    equations = []
-    for ghost in range(1, INTERIORS[interior] + 1):
-        for side, sign in (("L", 1), ("R", -1)):
-            for unknown, value in (("u", f"u_I_{side}"), ("s", "s_I")):
-                mirrored = f"2*{value} - {side}.{unknown}[{sign * (1 - ghost)}]"
-                equations.append(f'"{side}.{unknown}[{sign * ghost}] = {value if order == 1 else mirrored}"')
-    return "\n".join([*lines, f"equations = [{', '.join(equations)}]"])
+    return values | {"u_I_L": left, "u_I_R": velocity, "s_I": stress}
 
 
 def _mean(unknown: str, share: str) -> str:

@@ -244,7 +244,7 @@ def _observation(
     A generalized eigenvalue is forced besides. Where no march can speak, the uncertainty of the first is inf.
     """
     random = _from_random(free)
-    if kind == "growing" and not interior and _tells(free.growth):
+    if kind == "growing" and not interior and _tells(free):
         return (random,), ""
     if kind == "generalized":
         # One random forcing may happen to leave the mode out.
@@ -275,9 +275,10 @@ NOT_RESOLVED = "nothing contradicts, but this march cannot tell"
 RANDOM, OWN, FORCED = "random data", "from the mode", "forced at z"
 
 
-def _tells(growth: Growth) -> bool:
-    """Whether random data grow, and fast enough for their rate to be known to AGREEMENT."""
-    return growth.exceeds(1.0) and growth.uncertainty < AGREEMENT * growth.rate
+def _tells(free: March) -> bool:
+    """Whether random data grow, by more than a power of n may make, and fast enough for a rate known to AGREEMENT."""
+    growth = free.growth
+    return growth.exceeds(math.exp(1.0 / free.steps)) and growth.uncertainty < AGREEMENT * growth.rate
 
 
 def _agrees(predicted: float, seen: Growth, free: March | None) -> tuple[bool, str]:

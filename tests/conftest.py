@@ -2,9 +2,11 @@
 
 from hypothesis import settings
 
-# No deadline: the machine's load is not a property of the code. `--hypothesis-profile=long` searches 20 times as far.
-settings.register_profile("house", deadline=None, print_blob=True)
-settings.register_profile("long", settings.get_profile("house"), max_examples=2000)
+# No deadline: the machine's load is not a property of the code. The same examples in every run of the same tests, so
+# that a change is judged by what it changes; `--hypothesis-profile=explore` draws others, and `long` 20 times as many.
+settings.register_profile("house", deadline=None, print_blob=True, derandomize=True)
+settings.register_profile("explore", settings.get_profile("house"), derandomize=False)
+settings.register_profile("long", settings.get_profile("explore"), max_examples=2000)
 # `brief` is for a second environment, where only what the first can't see matters.
 settings.register_profile("brief", settings.get_profile("house"), max_examples=5)
 settings.load_profile("house")

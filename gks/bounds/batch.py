@@ -23,7 +23,9 @@ import numpy as np
 from flint import fmpz_mpoly
 from numpy.typing import NDArray
 
+from gks.bounds.located import close_to
 from gks.bounds.rays import Intervals, everything, intersect, stable_intervals
+from gks.bounds.signs import field_symbols, holds_lam
 from gks.bounds.sweep import Point
 from gks.errors import InputError
 from gks.modes.algebraic import Root
@@ -39,7 +41,6 @@ from gks.modes.kreiss import NormalModeProblem, normal_mode_problem
 from gks.modes.numerals import to_double
 from gks.modes.polynomial import Degenerate, TooWide, characteristic_factors
 from gks.modes.rootbatch import MAX_DEGREE, roots
-from gks.modes.unimodular import rational_ends
 from gks.scheme.model import NamedLines, Scheme
 
 SAFE_BITS = 900
@@ -149,12 +150,14 @@ def _at_some_point(
 
 
 def _applies(problem: NormalModeProblem) -> bool:
-    """One clock, separate fields, all spatial sheets on the decaying side, nothing irrational in the coefficients."""
+    """One clock, separate fields without lam, all spatial sheets on the decaying side, nothing irrational."""
     method = problem.resolvent.integrator
     if problem.variable != "s" or method is None or method.kind == "exact" or problem.coefficients.generators:
         return False
     if problem.coupled:
         return False
+    if holds_lam(field_symbols(problem), problem):
+        return False  # upwinding, and the Cauchy set at unit speed, take a speed that stands
     return all(family.decaying in (0, family.degree) for family in problem.families)
 
 
@@ -311,9 +314,7 @@ def _scaled(limits: CauchySet, speed: Real) -> Intervals:
 
 
 def _double(end: Root | None) -> float:
-    if end is None:
-        return float("inf")
-    return 0.0 if end.is_zero else float(sum(rational_ends(end.ball().real)) / 2)
+    return float("inf") if end is None else float(close_to(end))
 
 
 def _same_signs(problem: NormalModeProblem, swept: str, parameter: Real) -> NDArray[np.bool_]:

@@ -19,9 +19,9 @@ from gks.bounds.crossings import VANISHING
 from gks.bounds.oncircle import DeltaOfZ, delta_of_z
 from gks.bounds.radius import in_interior, within
 from gks.bounds.sampled import Array, ComplexArray
+from gks.bounds.signs import interior_sets
 from gks.errors import NotAnalysable
-from gks.modes.interior import interior_limits
-from gks.modes.kreiss import normal_mode_problem, spatial_problem
+from gks.modes.kreiss import normal_mode_problem
 from gks.scheme.model import Scheme
 
 NODES = 24
@@ -57,18 +57,19 @@ class Verdicts:
 def verdicts_at(scheme: Scheme, values: Mapping[str, Fraction], at: Mapping[str, Array]) -> Verdicts:
     """The verdicts at N points given by arrays (N,), of lam and possibly of other parameters.
 
-    NotAnalysable where the interior holds one of these.
+    NotAnalysable where the interior holds one of these, or a wave speed changes its sign with lam.
     """
     others = [name for name in at if name != scheme.cfl]
     names = (*others, scheme.cfl)
     lam = np.asarray(at[scheme.cfl], float)
     middle = {name: Fraction(float(np.median(at[name]))) for name in names}
+    sets, signs = interior_sets(scheme, {**values, **middle})
+    if signs:
+        raise NotAnalysable(f"a wave speed changes its sign with {scheme.cfl}")
     problem = normal_mode_problem(scheme, {**values, **middle}, names)
     if any(in_interior(problem, name) for name in others):
         raise NotAnalysable("the parameter is part of the interior scheme")
-    interior = within(
-        interior_limits(spatial_problem(scheme, {**values, **middle, scheme.cfl: Fraction(1)}, (scheme.cfl,))), lam
-    )
+    interior = within(sets, lam)
     growing, resolved = _counted(delta_of_z(problem), [np.asarray(at[name], float) for name in names])
     return Verdicts(np.where(interior, growing, 0), interior, resolved | ~interior)
 

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from gks.bounds.cfl import Limit
+from gks.modes.algebraic import Root
+from gks.modes.numerals import exact_fraction
 
 Span = tuple[Fraction, Fraction | None]
 """An open interval of lam; None is infinity."""
@@ -32,6 +34,16 @@ class Located:
         if self.intervals and self.intervals[0][0] == 0:
             return self.intervals[0][1]
         return Fraction(0)
+
+
+END_BITS = 80
+"""Bits of an irrational end: the double nearest to it, and bits to spare."""
+
+
+def close_to(end: Root) -> Fraction:
+    """A real number itself where it is rational, else with a relative error of at most 2**-80."""
+    rational = end.rational
+    return exact_fraction(end.ball(END_BITS).real) if rational is None else rational
 
 
 def nothing_said(why: str) -> Located:

@@ -11,11 +11,11 @@ from fractions import Fraction
 from typing import Literal, NamedTuple
 
 from gks.bounds.cfl import Limit, StableSet, stable_set
-from gks.bounds.located import Located
+from gks.bounds.located import Located, close_to
 from gks.bounds.sweep import Point
 from gks.modes.algebraic import Root
 from gks.modes.kreiss import spatial_problem
-from gks.modes.numerals import exact_fraction, json_real
+from gks.modes.numerals import json_real
 from gks.modes.polynomial import TooWide
 from gks.modes.route import elimination_work
 from gks.scheme.model import Scheme
@@ -145,8 +145,7 @@ def _end(end: Root | None, otherwise: Number) -> Number:
     """An end of an interval: its double, rounded from an enclosure with bits to spare."""
     if end is None:
         return otherwise
-    rational = end.rational
-    return json_real(exact_fraction(end.ball(_ROUNDING_BITS).real) if rational is None else rational)
+    return json_real(close_to(end))
 
 
 def _is_printed(end: Root | None) -> bool:
@@ -156,5 +155,3 @@ def _is_printed(end: Root | None) -> bool:
     rational = end.rational
     return rational is not None and Fraction(json_real(rational)) == rational
 
-
-_ROUNDING_BITS = 80

@@ -20,19 +20,19 @@ from flint import fmpz_mpoly
 from numpy.typing import NDArray
 
 from gks.bounds.allroots import all_roots
+from gks.bounds.located import close_to
 from gks.bounds.sampled import Array, ComplexArray, Sampled, Values, polynomial_of, sampled
+from gks.bounds.signs import interior_sets, signs_stand
 from gks.bounds.sweep import Sweep
 from gks.errors import InputError, NotAnalysable, ParameterError
-from gks.modes.algebraic import Root
 from gks.modes.analysis import analyse
 from gks.modes.cauchy import degree_in
 from gks.modes.cauchy_set import CauchySet
-from gks.modes.interior import field_symbol, interior_limits
-from gks.modes.kreiss import NormalModeProblem, normal_mode_problem, spatial_problem
+from gks.modes.interior import field_symbol
+from gks.modes.kreiss import NormalModeProblem, normal_mode_problem
 from gks.modes.polynomial import Degenerate, characteristic_factors
 from gks.modes.route import elimination_work
 from gks.modes.solvable import degenerate_closure
-from gks.modes.unimodular import rational_ends
 from gks.modes.verdict import ModeKind, Verdict
 from gks.scheme.integrators import Integrator
 from gks.scheme.model import Scheme
@@ -145,16 +145,18 @@ def radius_map(
         raise ParameterError("a CFL number that is not positive", path=scheme.cfl, expected="positive numbers")
     lams = np.array([float(v) for v in lam_values])
     symbols = (*((sweep.name,) if sweep else ()), scheme.cfl)
-    problem = _problem(scheme, values, sweep, exact, Fraction(lam_values[0]), symbols)
+    problem = _problem(scheme, values, sweep, exact, [Fraction(lam) for lam in lam_values], symbols)
     interior = _interior(problem, values, sweep, exact, lams)
     column = np.array([float(v) for v in exact])
     arguments = (np.repeat(column, len(lams)), np.tile(lams, len(column)))
     try:
         radius, known = _largest(problem, arguments if sweep else arguments[1:])
+        derived = np.repeat(_as_derived(problem, sweep, exact), len(lams))
     except NotAnalysable:
-        lines = [{**values, **({sweep.name: v} if sweep else {})} for v in exact]
-        points = [{**line, scheme.cfl: Fraction(lam)} for line in lines for lam in lam_values]
-        radius, known = _one_by_one(scheme, points, interior.ravel(), progress)
+        radius, known, derived = (np.zeros(interior.size, kind) for kind in (float, bool, bool))
+    lines = [{**values, **({sweep.name: v} if sweep else {})} for v in exact]
+    points = [{**line, scheme.cfl: Fraction(lam)} for line in lines for lam in lam_values]
+    _one_by_one(scheme, points, interior.ravel() & ~derived, radius, known, progress)
     shape = (len(column), len(lams))
     radius, known = radius.reshape(shape), known.reshape(shape)
     radius = np.where(known & interior, radius, 0.0)
@@ -163,16 +165,17 @@ def radius_map(
 
 def _problem(
     scheme: Scheme, values: Mapping[str, Fraction], sweep: Sweep | None, exact: Sequence[Fraction],
-    lam: Fraction, symbols: Sequence[str],
+    lams: Sequence[Fraction], symbols: Sequence[str],
 ) -> NormalModeProblem:  # fmt: skip
-    """With the parameter and lam as symbols, at the first value for which there is a scheme."""
+    """With the parameter and lam as symbols, at the first values for which there is a scheme and no speed vanishes."""
     fault: InputError | None = None
-    for k in (len(exact) // 2, len(exact) // 3, 0):
-        at = {**values, scheme.cfl: lam, **({sweep.name: exact[k]} if sweep else {})}
-        try:
-            return normal_mode_problem(scheme, at, symbols)
-        except InputError as error:
-            fault = error
+    for lam in (lams[0], lams[-1]):
+        for k in (len(exact) // 2, len(exact) // 3, 0):
+            at = {**values, scheme.cfl: lam, **({sweep.name: exact[k]} if sweep else {})}
+            try:
+                return normal_mode_problem(scheme, at, symbols)
+            except InputError as error:
+                fault = error
     assert fault is not None
     raise fault
 
@@ -193,12 +196,19 @@ def _interior(
     for value in exact:
         at = {**values, scheme.cfl: Fraction(1), **({sweep.name: value} if sweep else {})}
         try:
-            rows.append(within(interior_limits(spatial_problem(scheme, at, (scheme.cfl,))), lams))
+            rows.append(within(interior_sets(scheme, at)[0], lams))
         except InputError:
             rows.append(np.zeros(len(lams), bool))
         if sweep is None or not in_interior(problem, sweep.name):
             return np.tile(rows[0], (len(exact), 1))
     return np.stack(rows)
+
+
+def _as_derived(problem: NormalModeProblem, sweep: Sweep | None, exact: Sequence[Fraction]) -> Mask:
+    """The rows in which upwinding takes the same sides at every lam as where the problem was derived."""
+    if sweep is None:
+        return np.array([signs_stand(problem, problem.scheme.cfl, Fraction(1))])
+    return np.array([signs_stand(problem, sweep.name, value) for value in exact])
 
 
 def in_interior(problem: NormalModeProblem, name: str) -> bool:
@@ -214,17 +224,12 @@ def within(interior: Sequence[CauchySet], lams: Array) -> Mask:
     for each in interior:
         mine = np.zeros(len(lams), bool)
         for interval in each.intervals:
-            low, high = _double(interval.low), np.inf if interval.high is None else _double(interval.high)
+            low, high = (np.inf if end is None else float(close_to(end)) for end in (interval.low, interval.high))
             mine |= (lams > low) & (lams < high)
             mine |= interval.high_stable & (lams == high)
             mine |= interval.low_stable & (lams == low)
         good &= mine
     return good
-
-
-def _double(end: Root) -> float:
-    low, high = rational_ends(end.ball().real)
-    return float((low + high) / 2)
 
 
 # Modes ----------------------------------------------------------------------------------------------------------------
@@ -250,20 +255,21 @@ def _largest(problem: NormalModeProblem, symbols: Sequence[Array]) -> tuple[Arra
 def _one_by_one(
     scheme: Scheme,
     points: Sequence[Mapping[str, Fraction]],
-    interior: Mask,
+    chosen: Mask,
+    radius: Array,
+    known: Mask,
     progress: Callable[[int, int], None] | None,
-) -> tuple[Array, Mask]:
-    """The same from the modes at every point where the interior is stable."""
-    radius, known = np.zeros(len(points)), np.zeros(len(points), bool)
-    for k, values in enumerate(points):
-        if interior[k]:
-            with suppress(InputError):  # no scheme at these values
-                found = analyse(scheme, values)
-                kept = [float(m.modulus) for m in found.modes if m.kind is not ModeKind.INADMISSIBLE]
-                radius[k], known[k] = max(kept, default=0.0), found.verdict is not Verdict.UNDECIDED
+) -> None:
+    """The same from the modes, written in at the points chosen."""
+    places = np.flatnonzero(chosen).tolist()
+    for done, k in enumerate(places, 1):
+        radius[k], known[k] = 0.0, False
+        with suppress(InputError):  # no scheme at these values
+            found = analyse(scheme, points[k])
+            kept = [float(m.modulus) for m in found.modes if m.kind is not ModeKind.INADMISSIBLE]
+            radius[k], known[k] = max(kept, default=0.0), found.verdict is not Verdict.UNDECIDED
         if progress is not None:
-            progress(k + 1, len(points))
-    return radius, known
+            progress(done, len(places))
 
 
 def _of_factor(

@@ -25,7 +25,7 @@ from gks.bounds.roottracks import chordal, follow
 from gks.bounds.sweep import Sweep
 from gks.errors import InputError, ParameterError
 from gks.modes.analysis import analyse
-from gks.modes.derive import common_speed
+from gks.modes.derivation import common_speed
 from gks.modes.fibre import specialise, univariate
 from gks.modes.kreiss import NormalModeProblem, normal_mode_problem
 from gks.modes.polynomial import Degenerate, Factor, TooWide, characteristic_factors

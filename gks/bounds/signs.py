@@ -6,10 +6,10 @@ positive lam axis is cut there, each piece has its own Cauchy limits, and at the
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
 
-from flint import fmpz_poly
+from flint import fmpq, fmpz_mpoly, fmpz_poly
 
 from gks.errors import InputError, NotAnalysable
 from gks.modes.algebraic import Root
@@ -17,7 +17,7 @@ from gks.modes.cauchy import degree_in
 from gks.modes.cauchy_set import CauchyInterval, CauchySet, rationals_between
 from gks.modes.critical import positive_roots
 from gks.modes.fibre import univariate
-from gks.modes.interior import interior_limits, interior_stability
+from gks.modes.interior import field_symbol, interior_limits, interior_stability
 from gks.modes.kreiss import NormalModeProblem, normal_mode_problem, spatial_problem
 from gks.modes.unimodular import by_real_part
 from gks.scheme.model import Scheme
@@ -31,7 +31,12 @@ def interior_sets(scheme: Scheme, sample: Mapping[str, Fraction]) -> tuple[list[
 
     ``sample`` gives lam a value too, which has no influence.
     """
-    problem = _with_signs(scheme, sample)
+    problem = with_signs(scheme, sample)
+    method = problem.resolvent.integrator
+    if method is not None and method.kind == "exact" and holds_lam(field_symbols(problem), problem):
+        raise NotAnalysable(
+            f"time is exact and {scheme.cfl} enters the interior scheme", expected=f"an interior without {scheme.cfl}"
+        )
     zeros = _speed_zeros(problem)
     if not zeros:
         return interior_limits(problem), []
@@ -40,6 +45,49 @@ def interior_sets(scheme: Scheme, sample: Mapping[str, Fraction]) -> tuple[list[
         for lam in rationals_between(zeros)
     ]
     return [_joined(scheme, sample, zeros, pieces)], zeros
+
+
+def holds_lam(polynomials: Iterable[fmpz_mpoly], problem: NormalModeProblem) -> bool:
+    """Whether lam, a symbol of the problem, enters one of some polynomials."""
+    lam = problem.coefficients.variable(problem.resolvent.cfl)
+    free = {g.name for g in problem.coefficients.generators if g.root is None and degree_in(g.relation, lam)}
+    return any(degree_in(each, name) for each in polynomials for name in (lam, *free))
+
+
+def field_symbols(problem: NormalModeProblem) -> list[fmpz_mpoly]:
+    """The symbol of every field."""
+    return [field_symbol(block.field, problem.coefficients) for block in problem.blocks]
+
+
+def space_holds_lam(problem: NormalModeProblem) -> bool:
+    """Whether the spatial problem, interior or closure, depends on lam, which is a symbol of it.
+
+    Under the method of lines its zeros s move with lam then.
+    """
+    closure = [term.coefficient for row in problem.rows for term in row]
+    return holds_lam([*field_symbols(problem), *closure], problem)
+
+
+def signs_stand(problem: NormalModeProblem, name: str, value: Fraction) -> bool:
+    """Whether at this value of a symbol, and at all lam, every speed has the sign that the problem was derived with.
+
+    False also where that is not looked into: a speed that moves with lam or through an adjoined root.
+    """
+    coefficients = problem.coefficients
+    free = [coefficients.variable(problem.resolvent.cfl), *(g.name for g in coefficients.generators if g.root is None)]
+    symbol = coefficients.variable(name)
+    for block in problem.blocks:
+        speed = block.field.speed
+        if speed is None:
+            continue
+        if any(degree_in(part, each) for part in (speed.num, speed.den) for each in free):
+            return False
+        if degree_in(speed.num, symbol) or degree_in(speed.den, symbol):
+            parts = [univariate(coefficients.norm(part), symbol) for part in (speed.num, speed.den)]
+            top, bottom = (part(fmpq(value.numerator, value.denominator)) for part in parts)
+            if top * bottom * coefficients.sign(speed) <= 0:
+                return False
+    return True
 
 
 def _speed_zeros(problem: NormalModeProblem) -> list[Root]:
@@ -54,7 +102,7 @@ def _speed_zeros(problem: NormalModeProblem) -> list[Root]:
     return by_real_part(list(dict.fromkeys(root.minimal for root in positive_roots(found))))
 
 
-def _with_signs(scheme: Scheme, sample: Mapping[str, Fraction]) -> NormalModeProblem:
+def with_signs(scheme: Scheme, sample: Mapping[str, Fraction]) -> NormalModeProblem:
     """With lam as a symbol, at a lam where no speed vanishes."""
     lam = sample[scheme.cfl]
     for k in range(SAMPLES):

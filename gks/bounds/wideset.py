@@ -1,26 +1,27 @@
 """The stable set in lam of schemes beyond the elimination.
 
 Under the method of lines it follows from the zeros s of Delta (`gks.bounds.rayset`), and is proved. Where z itself is
-the variable, the critical lam are traced numerically (`gks.bounds.crossings`), every piece between them is decided by a
-certified verdict at one point, and every end by certified verdicts on either side of it.
+the variable, or lam enters the equations and the zeros s move with it, the critical lam are traced numerically
+(`gks.bounds.crossings`), every piece between them is decided by a certified verdict at one point, and every end by
+certified verdicts on either side of it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from itertools import pairwise
 
 from gks.bounds.cfl import Limit
-from gks.bounds.located import Located, Span, nothing_said
+from gks.bounds.located import Located, Span, close_to, nothing_said
 from gks.bounds.rayset import ray_set
+from gks.bounds.signs import interior_sets, space_holds_lam, with_signs
 from gks.errors import InputError
 from gks.modes.algebraic import Root
 from gks.modes.analysis import quick_verdict
 from gks.modes.cauchy_set import CauchySet
-from gks.modes.interior import interior_limits
-from gks.modes.kreiss import NormalModeProblem, normal_mode_problem, spatial_problem
-from gks.modes.unimodular import rational_ends, simplest_between
+from gks.modes.kreiss import NormalModeProblem, normal_mode_problem
+from gks.modes.unimodular import simplest_between
 from gks.modes.verdict import Verdict
 from gks.scheme.model import Scheme
 
@@ -31,23 +32,34 @@ BESIDE = (40, 34, 30)
 def wide_stable_set(scheme: Scheme, values: Mapping[str, Fraction]) -> Located:
     """The stable set at the values given; InputError where the scheme is at fault."""
     sample = {**values, scheme.cfl: values.get(scheme.cfl, Fraction(1))}
-    interior = interior_limits(spatial_problem(scheme, sample, (scheme.cfl,)))
+    interior, signs = interior_sets(scheme, sample)
+    problem = with_signs(scheme, sample)
+    moving = space_holds_lam(problem)
 
     def problem_at(lam: Fraction) -> NormalModeProblem:
         return normal_mode_problem(scheme, {**values, scheme.cfl: lam})
 
-    method = spatial_problem(scheme, sample).resolvent.integrator
+    method = problem.resolvent.integrator
     if method is not None and method.kind == "exact":
+        if moving:
+            return nothing_said(f"time is exact and {scheme.cfl} enters the equations")
         return _whole_axis(scheme, sample)
-    if method is not None:
+    if method is not None and not moving:
         return ray_set(problem_at, interior)
     spans: list[Span] = []
     proved_to = 0.0
-    for low, high in _pieces(interior):
+    for low, high in _without(_pieces(interior), signs):
         found = _traced(scheme, values, low, high)
         if isinstance(found, str):
             return nothing_said(found)
         inner, error = found
+        if spans and inner and spans[-1][1] == inner[0][0]:
+            # Both sides of a speed's change of sign are stable, of two different schemes: the lam between is a third.
+            at_sign = _verdict(scheme, values, low.rational) if low.rational is not None else None
+            if at_sign is None:
+                return nothing_said(f"undecided at lam = {float(inner[0][0]):.12g}, where a wave speed changes sign")
+            if at_sign:
+                inner[0] = (spans.pop()[0], inner[0][1])
         spans += inner
         proved_to = max(proved_to, error)
     return Located(tuple(spans), _limited(spans, interior), proved_to, False)
@@ -77,6 +89,13 @@ def _pieces(interior: Sequence[CauchySet]) -> list[tuple[Root, Root | None]]:
     return pieces
 
 
+def _without(pieces: Sequence[tuple[Root, Root | None]], points: Sequence[Root]) -> Iterator[tuple[Root, Root | None]]:
+    """The pieces, cut at the points (ascending) that lie inside one."""
+    for low, high in pieces:
+        inner = [point for point in points if low < point and (high is None or point < high)]
+        yield from zip([low, *inner], [*inner, high], strict=True)
+
+
 def _traced(
     scheme: Scheme, values: Mapping[str, Fraction], low: Root, high: Root | None
 ) -> tuple[list[Span], float] | str:
@@ -84,7 +103,7 @@ def _traced(
     from gks.bounds.crossings import crossings
     from gks.bounds.sampled import sampled
 
-    bottom, top = _double(low), None if high is None else _double(high)
+    bottom, top = close_to(low), None if high is None else close_to(high)
     middle = 2 * bottom + 1 if top is None else (bottom + top) / 2
     compiled = sampled(normal_mode_problem(scheme, {**values, scheme.cfl: middle}, (scheme.cfl,)))
     found = crossings(
@@ -151,12 +170,4 @@ def _limited(spans: Sequence[Span], interior: Sequence[CauchySet]) -> Limit | No
     if top is None:
         return None
     limits = [each.first_limit for each in interior]
-    return "interior" if any(limit is not None and _double(limit) == top for limit in limits) else "closure"
-
-
-def _double(end: Root) -> Fraction:
-    """The end itself where it is rational, else to a double's accuracy."""
-    if end.rational is not None:
-        return end.rational
-    low, high = rational_ends(end.ball(80).real)
-    return (low + high) / 2
+    return "interior" if any(limit is not None and close_to(limit) == top for limit in limits) else "closure"

@@ -17,6 +17,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, TypeVar
 
+from gks.catalogue.interfaces import UNIT, closure_lines, ghost_equations, own_value, two_media
+
 if TYPE_CHECKING:
     from hypothesis.strategies import DrawFn, SearchStrategy
 
@@ -113,57 +115,22 @@ class Draft:
     def text(self, notes: str = "") -> str:
         """The scheme file, with notes if there are any (quotes and backslashes in them are left out)."""
         keys = "\n".join(f'{key} = "{value}"' for key, value in self.interior.keys)
-        side = {
-            (q, d): f"{d}.{q}[0]" if self.order == 1 else f"(3/2*{d}.{q}[0] - 1/2*{d}.{q}[{inner}])"
-            for q in "us"
-            for d, inner in (("L", -1), ("R", 1))
+        side = {(q, d): own_value(d, q, self.order) for q in "us" for d in "LR"}
+        values = {
+            "u_I": _combination((self.a, side["u", "L"]), (1 - self.a, side["u", "R"]), *_jump(self.x, side, "s")),
+            "s_I": _combination((self.b, side["s", "L"]), (1 - self.b, side["s", "R"]), *_jump(self.y, side, "u")),
         }
-        ghost = {
-            (q, d): f"{q}_I" if self.order == 1 else f"2*{q}_I - {d}.{q}[0]" for q in "us" for d in "LR"
-        }
-        value = {
-            "u": _combination((self.a, side["u", "L"]), (1 - self.a, side["u", "R"]), *_jump(self.x, side, "s")),
-            "s": _combination((self.b, side["s", "L"]), (1 - self.b, side["s", "R"]), *_jump(self.y, side, "u")),
-        }
-        return TEMPLATE.format(
-            family=self.family,
-            notes='notes = "' + notes.translate({34: None, 92: None}) + '"\n' if notes else "",
-            lam=self.lam,
-            keys=keys,
-            rho=f"-{1 / self.ratio}",
-            kappa=f"-{self.ratio * self.speed**2}",
-            value=value,
-            ghost={f"{q}{d}": text for (q, d), text in ghost.items()},
+        text = two_media(
+            f"Interface: {self.family}",
+            f'lam = {{ role = "cfl", default = "{self.lam}" }}',
+            keys,
+            closure_lines(ghost_equations(self.order), values),
+            (UNIT, (f"-{1 / self.ratio}", f"-{self.ratio * self.speed**2}")),
         )
-
-
-TEMPLATE = """\
-title = "Interface: {family}"
-{notes}
-[parameters]
-lam = {{ role = "cfl", default = "{lam}" }}
-
-[interior]
-{keys}
-
-[domains.L]
-side = "left"
-unknowns = ["u", "s"]
-flux = [["0", "-1"], ["-1", "0"]]
-
-[domains.R]
-side = "right"
-unknowns = ["u", "s"]
-flux = [["0", "{rho}"], ["{kappa}", "0"]]
-
-[closure]
-let.u_I = "{value[u]}"
-let.s_I = "{value[s]}"
-equations = [
-  "L.u[1] = {ghost[uL]}", "L.s[1] = {ghost[sL]}",
-  "R.u[-1] = {ghost[uR]}", "R.s[-1] = {ghost[sR]}",
-]
-"""
+        if not notes:
+            return text
+        title, rest = text.split("\n", 1)
+        return f'{title}\nnotes = "{notes.translate({34: None, 92: None})}"\n{rest}'
 
 
 def _jump(weight: Fraction, side: dict[tuple[str, str], str], q: str) -> tuple[tuple[Fraction, str], ...]:

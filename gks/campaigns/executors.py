@@ -165,9 +165,7 @@ def _cluster(address: str) -> Iterator[Workers]:
     try:
         from distributed import Client  # untyped
     except ModuleNotFoundError:
-        raise InputError(
-            "a cluster needs the package distributed", mend="pip install 'gks-stability[dask]'"
-        ) from None
+        raise InputError("a cluster needs the package distributed", mend="pip install 'gks-stability[dask]'") from None
     _must_answer(address)
     with Client(address, timeout=CONNECT_S, set_as_default=False) as client:
         threads = sum(client.nthreads().values())

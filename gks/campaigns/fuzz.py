@@ -7,18 +7,16 @@ computes which chunk.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Mapping
-from contextlib import nullcontext
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 from hashlib import sha256
 from typing import Any
 
 import gks
-from gks.campaigns.checkpoint import Key, folder
-from gks.campaigns.chunks import run_chunks
+from gks.campaigns.checkpoint import Key
+from gks.campaigns.conduct import Conduct, Progress
 from gks.campaigns.draw import Draft
-from gks.campaigns.executors import Workers
 from gks.campaigns.routes import AGREES, OPEN, Check, Judged, judge
 from gks.campaigns.search import drawn, hypothesis_version, shrunk
 from gks.errors import counted
@@ -29,15 +27,11 @@ CHUNK = 100
 SHOWN = 8
 """Interfaces with the full stable range that the printed result shows; the JSON has all."""
 
-Progress = Callable[[int, int], None]
 
+def fuzz(count: int, seed: int, conduct: Conduct) -> FuzzResult:
+    """So many random interfaces from the seed, judged; progress is told in schemes.
 
-def fuzz(
-    count: int, seed: int, staff: Workers, resume: str | None = None, progress: Progress | None = None
-) -> FuzzResult:
-    """So many random interfaces from the seed, judged; ``progress`` is told schemes done, of how many.
-
-    InputError where hypothesis isn't installed, or the folder ``resume`` is another campaign's.
+    InputError where hypothesis isn't installed, or the folder to resume from is another campaign's.
     """
     key: Key = {
         "campaign": "gks.fuzz/1",
@@ -48,10 +42,8 @@ def fuzz(
         "chunk": CHUNK,
     }
     arguments = [(seed, number, min(CHUNK, count - number * CHUNK)) for number in range(-(-count // CHUNK))]
-    told = None if progress is None else _in_schemes(progress, count)
-    with nullcontext() if resume is None else folder(resume, key) as place:
-        results = run_chunks(fuzz_chunk, arguments, staff, place, told)
-    return _together(seed, results)
+    told = None if conduct.progress is None else _in_schemes(conduct.progress, count)
+    return _together(seed, conduct.results(fuzz_chunk, arguments, key, told))
 
 
 def _in_schemes(progress: Progress, count: int) -> Progress:

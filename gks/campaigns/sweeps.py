@@ -5,11 +5,10 @@ A sweep is cut by its number of points alone, so the workers have no say in what
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import Executor
-from contextlib import nullcontext
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from hashlib import sha256
+from math import prod
 from typing import Any
 
 import gks
@@ -18,9 +17,8 @@ from gks.bounds.curve import Curve, check_sweep, curve, sweep_points
 from gks.bounds.curvemap import CurveMap, checked_pair
 from gks.bounds.point import CurvePoint
 from gks.bounds.sweep import Point, Sweep
-from gks.campaigns.checkpoint import Key, folder
-from gks.campaigns.chunks import run_chunks
-from gks.campaigns.executors import workers
+from gks.campaigns.checkpoint import Key
+from gks.campaigns.conduct import Conduct, Progress
 from gks.errors import ParameterError
 from gks.scheme.model import Scheme
 
@@ -34,8 +32,6 @@ LARGEST = 20_000
 SMALLEST = 2
 """Points of a piece at least: a lone point takes another route than several, with other last digits."""
 
-Progress = Callable[[int, int], None]
-
 Piece = tuple[Mapping[str, Fraction], tuple[Point, ...]]
 """Values that stand and points that the last of the swept parameters runs through."""
 
@@ -44,22 +40,17 @@ def campaign_curve(
     scheme: Scheme,
     values: Mapping[str, Fraction],
     sweeps: Sequence[Sweep],
+    conduct: Conduct,
     *,
-    jobs: int | None = None,
-    scheduler: str | None = None,
-    executor: Executor | None = None,
-    resume: str | None = None,
-    progress: Progress | None = None,
     limit: float | None = None,
     certify: bool = False,
 ) -> Curve | CurveMap:
-    """The curve over one sweep or the map over two, computed by the workers asked for (see `workers`).
+    """The curve over one sweep or the map over two, carried out as ``conduct`` says; its progress is told in points.
 
-    With ``resume`` finished chunks are kept in that folder, and those that it holds are not computed again.
-    ``progress`` is told points done, of how many. ``limit`` (seconds a point; which points it flags depends on the
-    machine) and ``certify`` are those of `curve`. The result carries no time: it is the same whatever computed it, and
-    a part of it may come from a run that was ended. Raises InputError as `curve` does, and for a folder of another
-    sweep.
+    ``limit`` (seconds a point; which points it flags depends on the machine) and ``certify`` are those of `curve`, and
+    chunks that were computed with others are another campaign's. The result carries no time: it is the same whatever
+    computed it, and a part of it may come from a run that was ended. Raises InputError as `curve` does, and for a
+    folder of another sweep.
     """
     if not sweeps:
         raise ParameterError("no parameter runs", expected="a sweep, which is what workers share and folders keep")
@@ -68,16 +59,13 @@ def campaign_curve(
     else:
         check_sweep(scheme, sweeps[0])
     over = sweeps[-1]
-    pieces = list(_grouped(list(_pieces(values, sweeps))))
-    told = None if progress is None else _in_points(progress, sweeps)
+    total = prod(len(each.values) for each in sweeps)
+    pieces = list(_grouped(_pieces(values, sweeps, _size(total)), _size(total)))
+    told = None if conduct.progress is None else _in_points(conduct.progress, total)
     at = samples(over.values)
     arguments = [(scheme, over.name, piece, over.logarithmic, limit, certify, at) for piece in pieces]
     key = _key(scheme, values, sweeps, len(pieces), limit, certify)
-    with (
-        workers(jobs, scheduler, executor) as staff,
-        nullcontext() if resume is None else folder(resume, key) as place,
-    ):
-        results = run_chunks(chunk, arguments, staff, place, told)
+    results = conduct.results(chunk, arguments, key, told)
     if all(result["faults"] == len(result["points"]) for result in results):
         first, points = pieces[0][0]
         return curve(scheme, first, Sweep(over.name, points[:1], over.logarithmic))  # raises the fault of the first
@@ -104,12 +92,13 @@ def chunk(
     return {"points": points, "faults": faults}
 
 
-def _pieces(values: Mapping[str, Fraction], sweeps: Sequence[Sweep]) -> Iterator[Piece]:
+def _size(total: int) -> int:
+    """Points of a chunk, about."""
+    return max(SMALLEST, min(LARGEST, -(-total // CHUNKS)))
+
+
+def _pieces(values: Mapping[str, Fraction], sweeps: Sequence[Sweep], size: int) -> Iterator[Piece]:
     """The rows of a map, or the one of a curve, each cut where it is longer than a chunk."""
-    total = 1
-    for each in sweeps:
-        total *= len(each.values)
-    size = max(SMALLEST, min(LARGEST, -(-total // CHUNKS)))
     for first in sweeps[0].values if len(sweeps) == 2 else [None]:
         at = dict(values) if first is None else {**values, sweeps[0].name: Fraction(first)}
         for piece in cut(sweeps[-1].values, size):
@@ -125,16 +114,16 @@ def cut(points: Sequence[Point], size: int) -> list[tuple[Point, ...]]:
     return pieces
 
 
-def _grouped(pieces: Sequence[Piece]) -> Iterator[list[Piece]]:
+def _grouped(pieces: Iterable[Piece], size: int) -> Iterator[list[Piece]]:
     """Short rows of a map together, so that there are about CHUNKS chunks."""
-    total = sum(len(points) for _, points in pieces)
-    size = max(SMALLEST, min(LARGEST, -(-total // CHUNKS)))
     group: list[Piece] = []
+    points = 0
     for piece in pieces:
         group.append(piece)
-        if sum(len(points) for _, points in group) >= size:
+        points += len(piece[1])
+        if points >= size:
             yield group
-            group = []
+            group, points = [], 0
     if group:
         yield group
 
@@ -162,7 +151,7 @@ def _key(
     limit: float | None,
     certify: bool,
 ) -> Key:
-    """What the chunks depend on: the scheme's text, the values and the sweeps, and the program's version."""
+    """What the chunks depend on: scheme, values, sweeps, limit and certify, and the program's version."""
     swept = [f"{each.name}: {len(each.values)} points, {_digest(','.join(map(str, each.values)))}" for each in sweeps]
     return {
         "campaign": "gks.curve/1",
@@ -180,9 +169,6 @@ def _digest(text: str) -> str:
     return sha256(text.encode()).hexdigest()
 
 
-def _in_points(progress: Progress, sweeps: Sequence[Sweep]) -> Progress:
+def _in_points(progress: Progress, total: int) -> Progress:
     """Progress in points, told in chunks: these finish in any order, so the points are those of an average one."""
-    total = 1
-    for each in sweeps:
-        total *= len(each.values)
     return lambda done, chunks: progress(total * done // chunks, total)

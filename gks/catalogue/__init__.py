@@ -13,9 +13,6 @@ if TYPE_CHECKING:
 _FOLDER = os.path.dirname(os.path.abspath(__file__))
 _ENDING = ".toml"
 
-DEFAULT = "traditional-1"
-"""The scheme of the README's first command: the paper's traditional coupling."""
-
 
 @dataclass(frozen=True, slots=True)
 class Entry:

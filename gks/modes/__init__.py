@@ -9,28 +9,23 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from gks.modes.analysis import analyse
-    from gks.modes.derive import Derivation, derive
+    from gks.modes.derivation import Derivation, derive
     from gks.modes.verdict import Mode, ModeKind, ModesResult, Verdict
 
 __all__ = ["Derivation", "Mode", "ModeKind", "ModesResult", "Verdict", "analyse", "derive"]
 
 _HOME = {
-    "Derivation": "derive",
+    "Derivation": "derivation",
     "Mode": "verdict",
     "ModeKind": "verdict",
     "ModesResult": "verdict",
     "Verdict": "verdict",
     "analyse": "analysis",
+    "derive": "derivation",
 }
 
 
 def __getattr__(name: str) -> object:
-    # `derive` is both a module and the function in it; the function is what users mean.
-    if name == "derive":
-        from gks.modes.derive import derive
-
-        globals()["derive"] = derive
-        return derive
     if name in _HOME:
         from importlib import import_module
 

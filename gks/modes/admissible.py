@@ -78,6 +78,11 @@ def point_of(problem: NormalModeProblem, candidate: Candidate) -> dict[str, Root
     return {**problem.coefficients.point(), problem.variable: candidate.sigma}
 
 
+def point_with_z(problem: NormalModeProblem, candidate: Candidate) -> dict[str, Root]:
+    """The same and z, where that is algebraic: what the levels of the closure are powers of."""
+    return point_of(problem, candidate) | ({} if candidate.z is None else {"z": candidate.z})
+
+
 def admissible(problem: NormalModeProblem, family: Family, candidate: Candidate) -> Admissible:
     """Splits the spatial roots at a candidate; Undecided where a direction stays open."""
     point = point_of(problem, candidate)
@@ -114,9 +119,7 @@ def outward(problem: NormalModeProblem) -> tuple[fmpz_mpoly, fmpz_mpoly]:
 
 def _point_on_circle(problem: NormalModeProblem, candidate: Candidate, root: Root) -> dict[str, Root]:
     """Coordinates of a spatial root at a candidate; Undecided where the growth factor does not move with sigma."""
-    point = {**point_of(problem, candidate), "x": root}
-    if candidate.z is not None:
-        point["z"] = candidate.z
+    point = {**point_with_z(problem, candidate), "x": root}
     if any(is_zero(point, part) for part in outward(problem)):
         raise Undecided("z does not move with the resolvent variable at a point on the circle")
     return point

@@ -245,10 +245,6 @@ class Root:
     def is_zero(self) -> bool:
         return self.rational == 0
 
-    @property
-    def is_rational(self) -> bool:
-        return self.rational is not None
-
     @cached_property
     def rational(self) -> Fraction | None:
         """The number as a fraction, None where it is irrational.

@@ -37,11 +37,6 @@ SIGN_BITS = 1 << 14
 """A nonzero number whose sign 16384 bits leave open comes from symbols set at one of its zeros."""
 
 
-def fraction_of(value: fmpq) -> Fraction:
-    """A FLINT rational as a Fraction."""
-    return Fraction(int(value.p), int(value.q))
-
-
 def value_ball(value: Fraction | Root, bits: int) -> acb:
     """A ball around a parameter's value."""
     return value.ball(bits) if isinstance(value, Root) else acb(fmpq(value.numerator, value.denominator))
@@ -100,8 +95,7 @@ class Coefficients:
     """The field the analysis of one scheme works in; also the algebra that ``Expr.fold`` evaluates in.
 
     ``values`` gives every parameter a value, rational or algebraic; those named in ``symbols`` stay variables all the
-    same, and their
-    value only says which branch a sign or a square root takes.
+    same, and their value only says which branch a sign or a square root takes.
     """
 
     values: Mapping[str, Fraction | Root]

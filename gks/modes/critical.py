@@ -5,8 +5,7 @@ moves, a root z can reach the unit circle only at a lam where
 
 - f(1) = 0 or f(-1) = 0, or two roots z and 1/z meet (a conjugate pair on the circle): f and its reciprocal f* share a
   root. Both f + f* and f - f* are, up to factors z - 1 and z + 1, polynomials in x = z + 1/z, and the resultant of
-  these
-  two is half the degree of that of f and f*;
+  these two is half the degree of that of f and f*;
 - the leading coefficient vanishes (a root comes in from infinity).
 
 A factor with f = f* has roots on the circle for whole intervals of lam; they leave it, or change character, only where

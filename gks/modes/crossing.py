@@ -26,7 +26,7 @@ from math import comb, factorial, inf
 
 from flint import acb, fmpz_mpoly
 
-from gks.modes.admissible import Admissible, Candidate, crossing_slopes, outward, point_of
+from gks.modes.admissible import Admissible, Candidate, crossing_slopes, outward, point_of, point_with_z
 from gks.modes.algebraic import Root
 from gks.modes.coupled import CoupledField, System, ValueField, trial_vectors
 from gks.modes.fibre import FibreRoot, at_balls, is_zero, vanishes
@@ -191,9 +191,7 @@ class LocalMatrix:
         matrix = []
         for row in self.rows:
             terms = [(term.block, term.n, at_balls(term.coefficient, at)) for term in row]
-            matrix.append(
-                [sum((c * column[k][n] for k, n, c in terms if k in column), acb(0)) for column in columns]
-            )
+            matrix.append([sum((c * column[k][n] for k, n, c in terms if k in column), acb(0)) for column in columns])
         start = sum(map(len, self.space.roots))
         for k, group in self.groups:
             for condition in self._conditions(k, group, at, bits):
@@ -219,9 +217,7 @@ class LocalMatrix:
                 found += [{places[k] + u: values} for u in range(self.systems[k].size)]
         return found
 
-    def _conditions(
-        self, block: int, group: Chain | Branch, at: Mapping[str, acb], bits: int
-    ) -> list[list[acb]]:
+    def _conditions(self, block: int, group: Chain | Branch, at: Mapping[str, acb], bits: int) -> list[list[acb]]:
         system = self.systems[block]
         here = {**at, "x": group.root.ball(bits)}
         if isinstance(group, Chain):
@@ -335,9 +331,7 @@ def value_fields(problem: NormalModeProblem) -> list[Field]:
 
 def value_rows(problem: NormalModeProblem) -> list[tuple[Term, ...]]:
     """The closure in terms of ``value_fields``."""
-    return closure_rows(
-        problem.scheme, problem.lowest, value_fields(problem), problem.coefficients, problem.resolvent
-    )
+    return closure_rows(problem.scheme, problem.lowest, value_fields(problem), problem.coefficients, problem.resolvent)
 
 
 def systems_of(problem: NormalModeProblem) -> dict[int, System]:
@@ -349,9 +343,16 @@ def modes_at(
     problem: NormalModeProblem, candidate: Candidate, families: Sequence[Admissible], *, strict: bool = False
 ) -> int:
     """The number of independent normal modes at a candidate; with ``strict`` of those all of whose components decay."""
-    point = dict(point_of(problem, candidate))
-    if candidate.z is not None:
-        point["z"] = candidate.z
+    space = space_at(problem, candidate, families, strict=strict)
+    return LocalMatrix(
+        problem, point_with_z(problem, candidate), space, systems_of(problem), value_rows(problem)
+    ).nullity
+
+
+def space_at(
+    problem: NormalModeProblem, candidate: Candidate, families: Sequence[Admissible], *, strict: bool = False
+) -> Space:
+    """The admissible solutions at a candidate; with ``strict`` those that decay."""
     roots: list[list[Root]] = []
     groups: list[list[Chain | Branch]] = []
     for k, block in enumerate(problem.blocks):
@@ -363,4 +364,4 @@ def modes_at(
             limiting = [] if strict else found.on_circle()
             roots.append([Root.of(0)] * block.zeros + found.strictly() + limiting)
             groups.append([])
-    return LocalMatrix(problem, point, Space(roots, groups), systems_of(problem), value_rows(problem)).nullity
+    return Space(roots, groups)

@@ -12,7 +12,7 @@ from math import inf
 
 from flint import ctx
 
-from gks.modes.admissible import Candidate, crossing_slopes, outward, point_of
+from gks.modes.admissible import Candidate, crossing_slopes, outward, point_with_z
 from gks.modes.algebraic import GUARD_BITS, Root
 from gks.modes.coefficients import value_ball
 from gks.modes.fibre import FibreRoot, at_balls, is_zero
@@ -30,9 +30,7 @@ def group_velocities(
     In grid points a step, positive towards larger x on either half-line (``right`` says which). A glancing root has the
     velocity 0. Undecided where branches meet that first order does not separate.
     """
-    point = {**point_of(problem, candidate), "x": root.root}
-    if candidate.z is not None:
-        point["z"] = candidate.z
+    point = {**point_with_z(problem, candidate), "x": root.root}
     across = family.polynomial.derivative(problem.variable)
     if is_zero(point, across):
         slopes = crossing_slopes(problem, family, candidate, root)

@@ -21,11 +21,9 @@ from typing import Protocol
 
 from flint import acb, ctx
 
-from gks.modes.admissible import Admissible, Candidate, admissible, point_of
+from gks.modes.admissible import Admissible, Candidate, admissible, point_with_z
 from gks.modes.algebraic import GUARD_BITS, START_BITS, Root
-from gks.modes.coefficients import value_ball
-from gks.modes.coupled import CoupledField
-from gks.modes.crossing import Branch, Chain, LocalMatrix, Space, groups_of, systems_of, value_places, value_rows
+from gks.modes.crossing import Branch, Chain, LocalMatrix, Space, space_at, systems_of, value_places, value_rows
 from gks.modes.direction import group_velocities, slope_velocity
 from gks.modes.fibre import at_balls
 from gks.modes.kreiss import NormalModeProblem, kreiss_matrix, longest
@@ -112,9 +110,7 @@ class Eigenspace:
         for k in range(len(self.problem.blocks)):
             count = longest(self.problem.rows, k)
             mine = [column for column in self.columns if column.field == k]
-            blocks.append(
-                [[power(self.parts[c.part].root.ball(bits), n, c.power) for n in range(count)] for c in mine]
-            )
+            blocks.append([[power(self.parts[c.part].root.ball(bits), n, c.power) for n in range(count)] for c in mine])
         at = self.at(bits)
         return kreiss_matrix(self.problem.rows, blocks, lambda c: at_balls(c, at), acb(0))
 
@@ -245,22 +241,11 @@ def _numbered(roots: Sequence[Root]) -> list[tuple[Root, int]]:
 def exact_space(problem: NormalModeProblem, candidate: Candidate) -> Eigenspace:
     """The modes at a candidate that is known to be one; Undecided where the admissible solutions stay open."""
     families = [admissible(problem, family, candidate) for family in problem.families]
-    point = dict(point_of(problem, candidate))
-    if candidate.z is not None:
-        point["z"] = candidate.z
-    roots: list[list[Root]] = []
-    groups: list[Sequence[Chain | Branch]] = []
-    for k, block in enumerate(problem.blocks):
-        found = families[block.family]
-        if isinstance(block.field, CoupledField):
-            roots.append([])
-            groups.append(groups_of(problem, k, candidate, found, strict=False))
-        else:
-            roots.append([Root.of(0)] * block.zeros + found.strictly() + found.on_circle())
-            groups.append([])
-    local = _Powers(problem, point, Space(roots, groups), systems_of(problem), value_rows(problem))
+    point = point_with_z(problem, candidate)
+    space = space_at(problem, candidate, families)
+    local = _Powers(problem, point, space, systems_of(problem), value_rows(problem))
     builder = _Builder(problem, candidate, families)
-    for k, mine in enumerate(roots):
+    for k, mine in enumerate(space.roots):
         builder.ordinary(k, mine)
     for k, group in local.groups:
         builder.group(k, group)
@@ -337,11 +322,9 @@ def enclosed_space(problem: NormalModeProblem, found: Found) -> Eigenspace | Non
 
     At a simple zero the kernel has dimension one: the derivative of a determinant vanishes where the rank is lower.
     """
-    if found.multiplicity != 1 or found.mu is None:
+    sigma = found.sigma(problem)
+    if found.multiplicity != 1 or sigma is None:
         return None
-    sigma = found.mu
-    if problem.variable == "s":
-        sigma = sigma / value_ball(problem.coefficients.values[problem.resolvent.cfl], sigma.rel_accuracy_bits() + 64)
     point: dict[str, Located] = {**problem.coefficients.point(), problem.variable: Enclosed(sigma)}
     parts: list[Part] = []
     columns: list[Column] = []

@@ -230,19 +230,6 @@ class Zero:
     roots: tuple[SpatialRoots, ...]
 
 
-def newton_step(tables: Tables, mu: acb, hints: Sequence[Sequence[complex]]) -> tuple[acb, list[list[complex]]]:
-    """Delta'/Delta at a point (approximately), and the spatial roots there as the next hints."""
-    point = mu.mid()
-    roots = [spatial_roots(s, point, h) for s, h in zip(tables.symbols, hints, strict=True)]
-    value = delta(tables, point, roots)
-    return (value.slope / value.value).mid(), [as_hints(r) for r in roots]
-
-
-def as_hints(roots: SpatialRoots) -> list[complex]:
-    """Midpoints of all roots, the decaying ones first."""
-    return [complex(x.value) for x in roots.decaying] + [complex(x) for x in roots.others]
-
-
 def enclose(tables: Tables, mu: acb, hints: Sequence[Sequence[complex]], bits: int) -> Zero:
     """Proves a simple zero close to a good approximation; NotEnclosed where the Newton test fails."""
     with ctx.workprec(bits + GUARD_BITS):

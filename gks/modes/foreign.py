@@ -13,7 +13,6 @@ from flint import acb, ctx, fmpz_mpoly
 
 from gks.modes.admissible import Candidate, point_of
 from gks.modes.algebraic import Root
-from gks.modes.coefficients import value_ball
 from gks.modes.coupled import CoupledField
 from gks.modes.fibre import VanishesIdentically, at_balls, fibre
 from gks.modes.fibre import coefficients as powers_of
@@ -105,12 +104,10 @@ def genuine(problem: NormalModeProblem, counted: WideModes) -> WideModes:
 
 def _gives_solutions(problem: NormalModeProblem, place: Found) -> bool:
     """Whether balls prove that no c vanishes at a decaying spatial root."""
-    if place.mu is None:
+    sigma = place.sigma(problem)
+    if sigma is None:
         return False
     with ctx.workprec(OUTPUT_BITS):
-        sigma = place.mu
-        if problem.variable == "s":
-            sigma = sigma / value_ball(problem.coefficients.values[problem.resolvent.cfl], OUTPUT_BITS)
         at = {name: root.ball(OUTPUT_BITS) for name, root in problem.coefficients.point().items()}
         at[problem.variable] = sigma
         return not any(

@@ -15,6 +15,7 @@ from flint import acb, arb, ctx
 
 from gks.modes.algebraic import GUARD_BITS
 from gks.modes.chart import Chart
+from gks.modes.coefficients import value_ball
 from gks.modes.discs import ComplexArray, Discs
 from gks.modes.enclosure import Dual, NotEnclosed, SpatialRoots, Zero, enclose, kappas
 from gks.modes.kreiss import NormalModeProblem
@@ -52,6 +53,14 @@ class Found:
     roots: tuple[tuple[acb, ...], ...]
     proved: bool
     mu: acb | None = None
+
+    def sigma(self, problem: NormalModeProblem) -> acb | None:
+        """The problem's variable at a simple zero, as sharp as ``mu`` whatever precision is in force."""
+        if self.mu is None or problem.variable != "s":
+            return self.mu
+        bits = max(self.mu.rel_accuracy_bits(), 0) + GUARD_BITS
+        with ctx.workprec(bits):
+            return self.mu / value_ball(problem.coefficients.values[problem.resolvent.cfl], bits)
 
 
 class Polisher:

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 from fractions import Fraction
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from gks.bounds.audit import Audit, Held, audit, audit_catalogue
@@ -19,6 +19,7 @@ from gks.modes.analysis import analyse
 from gks.modes.verdict import Verdict
 from gks.scheme.model import Scheme
 from gks.scheme.schemefile import parse_scheme
+from tests.examples import examples
 
 LEAPFROG = """
 title = "Leapfrog, u_t = u_x, outflow"
@@ -318,7 +319,7 @@ def test_a_parameter_that_the_formula_names_is_open_though_it_has_no_range() -> 
     assert single(scheme, 'bound = "1"').status is Status.FAILS  # c is at its default, 2
 
 
-@settings(max_examples=6)
+@examples(6)
 @given(st.fractions(min_value=Fraction(1, 50), max_value=50, max_denominator=50))
 def test_the_exact_bound_holds_and_any_other_fails(alpha: Fraction) -> None:
     bound = min(Fraction(1), 4 / (1 + alpha))

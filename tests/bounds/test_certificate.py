@@ -10,7 +10,7 @@ from functools import cache
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from gks.bounds.check import check
@@ -19,6 +19,7 @@ from gks.bounds.proving import prove_here
 from gks.catalogue import find
 from gks.scheme.schemefile import parse_scheme
 from tests.bounds.theorem_schemes import LEAPFROG_OUTFLOW, interface
+from tests.examples import examples
 
 TRUE = [
     "traditional-1",
@@ -81,7 +82,7 @@ def altered(value: Json, pick: int) -> Json:
     return {"stable": "neutral", "neutral": "generalized", "unstable": "stable", "oo": "5"}.get(value, value + "x")
 
 
-@settings(max_examples=500, deadline=None)
+@examples(500)
 @given(
     name=st.sampled_from(["traditional-1", "weighted-1", "implicit-1", "outflow"]),
     place=st.integers(0),

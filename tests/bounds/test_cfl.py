@@ -6,7 +6,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, assume, given, reject, settings
+from hypothesis import HealthCheck, assume, given, reject
 from hypothesis import strategies as st
 
 from gks import catalogue
@@ -16,6 +16,7 @@ from gks.modes import Verdict, analyse
 from gks.modes.algebraic import Root
 from gks.scheme.model import Scheme
 from tests.bounds.theorem_schemes import upwind_flux
+from tests.examples import examples
 from tests.literature.closures import CLOSURES, half_line
 from tests.strategies import DISCRETE, Draft, scalar_drafts
 
@@ -45,7 +46,7 @@ def at_end(found: StableSet, lam: Fraction) -> bool:
 
 class TestAgainstTheVerdict:
     @given(scalar_drafts(), st.lists(st.integers(1, 80), min_size=6, max_size=6))
-    @settings(max_examples=25, suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much])
+    @examples(25, [HealthCheck.too_slow, HealthCheck.filter_too_much])
     def test_random_lam(self, draft: Draft, samples: list[int]) -> None:
         """Of one-step and leapfrog updates, whose critical polynomials are small."""
         assume(len(draft.closure) == 1 and not draft.lines[0].named)

@@ -9,7 +9,7 @@ from fractions import Fraction
 from typing import cast
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from gks import catalogue
@@ -21,6 +21,7 @@ from gks.bounds.sweep import of_values, parse_sweep
 from gks.errors import InputError, NotAnalysable, ParameterError
 from gks.scheme.model import Scheme
 from gks.scheme.schemefile import parse_scheme
+from tests.examples import examples
 from tests.oracle.scheme_texts import WEIGHTED, interface
 
 NAMES = ["traditional-1", "traditional-2", "average-1", "weighted-1", "weighted-2", "characteristic-2", "implicit-1"]
@@ -50,7 +51,7 @@ def agrees(scheme: Scheme, name: str, point: CurvePoint, value: Fraction) -> Non
 
 class TestBatchAgainstExact:
     @given(st.sampled_from(NAMES), st.lists(st.floats(-9, 9), min_size=3, max_size=3))
-    @settings(max_examples=12)
+    @examples(12)
     def test_shipped_schemes_at_random_ratios(self, name: str, exponents: list[float]) -> None:
         scheme = catalogue.find(name)
         values = [Fraction(10.0**e) for e in exponents]

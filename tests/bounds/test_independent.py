@@ -8,36 +8,24 @@ import numpy as np
 import pytest
 
 from gks.bounds.independent import verdicts_at
+from gks.catalogue.interfaces import COPIED, closure_lines, ghost_equations, two_media
 from gks.modes.analysis import quick_verdict
 from gks.modes.verdict import Verdict
 from gks.scheme.model import Scheme
 from gks.scheme.schemefile import parse_scheme
 from tests.oracle.scheme_texts import interface
 
-EXTRAPOLATED = '"L.u[1] = L.u[0]", "L.s[1] = R.s[0]", "R.u[-1] = L.u[0]", "R.s[-1] = R.s[0]"'
-LAX_WENDROFF = """
-title = "t"
-[parameters]
-lam = {{ role = "cfl", default = 0.5 }}
-alpha = {{ default = 1 }}
-[interior]
-scheme = "lax-wendroff"
-[domains.L]
-side = "left"
-unknowns = ["u", "s"]
-flux = [["0", "-1"], ["-1", "0"]]
-[domains.R]
-side = "right"
-unknowns = ["u", "s"]
-flux = [["0", "-1/alpha"], ["-alpha", "0"]]
-[closure]
-equations = [{equations}]
-"""
+CLOSURE = closure_lines(ghost_equations(1, 1, COPIED, COPIED))
+
+
+def lax_wendroff() -> Scheme:
+    parameters = 'lam = { role = "cfl", default = 0.5 }\nalpha = 1'
+    return parse_scheme(two_media("t", parameters, 'scheme = "lax-wendroff"', CLOSURE), "t")
 
 
 @pytest.fixture(scope="module")
 def coupled() -> Scheme:
-    return parse_scheme(LAX_WENDROFF.format(equations=EXTRAPOLATED), "t")
+    return lax_wendroff()
 
 
 @pytest.mark.parametrize("lam", [0.9, 0.5, 0.1])
@@ -65,7 +53,7 @@ def test_small_lam_hides_no_pair_of_modes_next_to_one(coupled: Scheme) -> None:
 
 def test_branch_points_on_the_circle() -> None:
     """Leapfrog's spatial roots meet on abs(z) = 1: the count is right where it closes."""
-    scheme = interface(f"equations = [{EXTRAPOLATED}]", space="central2", time="leapfrog")
+    scheme = interface(CLOSURE, space="central2", time="leapfrog")
     alpha = np.geomspace(0.1, 10, 7)
     found = verdicts_at(scheme, scheme.values({}), {"lam": np.full(7, 0.5), "alpha": alpha})
     for value, known, growing in zip(alpha, found.resolved, found.growing, strict=True):

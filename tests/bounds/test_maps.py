@@ -9,7 +9,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import gks
@@ -22,65 +22,31 @@ from gks.bounds.independent import verdicts_at
 from gks.bounds.radius import RadiusMap, radius_map
 from gks.bounds.sweep import parse_sweep
 from gks.bounds.sweeping import swept
+from gks.catalogue.interfaces import COPIED, UPWIND, closure_lines, ghost_equations, two_media
 from gks.errors import NotAnalysable, ParameterError
 from gks.modes.analysis import analyse, quick_verdict
 from gks.modes.verdict import ModeKind, Reason, Verdict
 from gks.scheme.schemefile import parse_scheme
+from tests.bounds.theorem_schemes import upwind_flux
+from tests.examples import examples
 from tests.literature.closures import CLOSURES, half_line
 
 WEIGHTED = parse_scheme(
-    """
-title = "two weights"
-[parameters]
-lam   = { role = "cfl", default = 0.9 }
-alpha = { default = 2 }
-beta  = { default = 1 }
-[interior]
-space = "upwind1"
-time  = "forward-euler"
-[domains.L]
-side     = "left"
-unknowns = ["u", "s"]
-flux     = [["0", "-1"], ["-1", "0"]]
-[domains.R]
-side     = "right"
-unknowns = ["u", "s"]
-flux     = [["0", "-1/alpha"], ["-alpha", "0"]]
-[closure]
-let = { u_I = "(beta*L.u[0] + R.u[0])/(1 + beta)", s_I = "R.s[0]" }
-equations = ["L.u[1] = u_I", "L.s[1] = s_I", "R.u[-1] = u_I", "R.s[-1] = s_I"]
-""",
+    two_media(
+        "two weights",
+        'lam = { role = "cfl", default = 0.9 }\nalpha = 2\nbeta = 1',
+        UPWIND,
+        closure_lines(ghost_equations(1), {"u_I": "(beta*L.u[0] + R.u[0])/(1 + beta)", "s_I": "R.s[0]"}),
+    ),
     "weighted",
 )
 
 
 def lax_wendroff(scheme: str = "lax-wendroff") -> gks.scheme.model.Scheme:
     """The traditional coupling with a named interior of second order; its closure repeats the interface value."""
-    points = {"lax-wendroff": (1,), "fromm": (1, 2)}[scheme]
-    closure = ", ".join(
-        f'"L.u[{k}] = L.u[0]", "L.s[{k}] = R.s[0]", "R.u[-{k}] = L.u[0]", "R.s[-{k}] = R.s[0]"' for k in points
-    )
-    return parse_scheme(
-        f"""
-title = "{scheme} interface"
-[parameters]
-lam = {{ role = "cfl", default = "9/10" }}
-alpha = 2
-[interior]
-scheme = "{scheme}"
-[domains.L]
-side = "left"
-unknowns = ["u", "s"]
-flux = [["0", "-1"], ["-1", "0"]]
-[domains.R]
-side = "right"
-unknowns = ["u", "s"]
-flux = [["0", "-1/alpha"], ["-alpha", "0"]]
-[closure]
-equations = [{closure}]
-""",
-        scheme,
-    )
+    closure = closure_lines(ghost_equations(1, {"lax-wendroff": 1, "fromm": 2}[scheme], COPIED, COPIED))
+    parameters = 'lam = { role = "cfl", default = "9/10" }\nalpha = 2'
+    return parse_scheme(two_media(f"{scheme} interface", parameters, f'scheme = "{scheme}"', closure), scheme)
 
 
 class TestMapOfLamMax:
@@ -143,6 +109,13 @@ class TestModuli:
         found = radius_map(scheme, scheme.values({}), None, [0.4, 0.8, 1.2])
         assert found.verdict.tolist() == [["stable", "stable", "unstable"]]
 
+    @pytest.mark.parametrize("speed", ["a", "lam - a", "1 - 2*lam + a/9"])
+    @pytest.mark.parametrize("closure", ["u[0]", "u[1]/2", "3*u[1]"])
+    def test_upwinding_turns_round_where_a_speed_changes_its_sign(self, speed: str, closure: str) -> None:
+        found = radius_map(upwind_flux(speed, closure), {}, parse_sweep("a=-2:2:7"), [0.5, 0.125, 0.25, 0.625, 0.75])
+        assert "stable" in found.verdict
+        self.agrees(found)
+
     def agrees(self, found: RadiusMap) -> None:
         scheme = found.scheme
         for i, value in enumerate(found.values):
@@ -190,6 +163,10 @@ class TestIndependentPoints:
         points = np.array([0.5, 2.999, 3.0, 3.001])
         assert found.at(points) == [Verdict.STABLE, Verdict.STABLE, Verdict.UNDECIDED, Verdict.UNSTABLE]
 
+    def test_a_speed_that_changes_its_sign_with_lam_is_refused(self) -> None:
+        with pytest.raises(NotAnalysable, match="changes its sign with lam"):
+            verdicts_at(upwind_flux("1 - 2*lam"), {}, {"lam": np.array([0.25, 0.75])})
+
     def test_a_parameter_of_the_interior_is_refused(self) -> None:
         scheme = catalogue.find("weighted-2-unequal")
         name = next(p.name for p in scheme.parameters if p.role != "cfl" and p.name != "alpha")
@@ -198,7 +175,7 @@ class TestIndependentPoints:
 
 
 @given(st.lists(st.complex_numbers(min_magnitude=1e-3, max_magnitude=1e3), min_size=1, max_size=5))
-@settings(max_examples=60)
+@examples(60)
 def test_roots_in_batches_leave_a_residual_of_rounding_size(roots: list[complex]) -> None:
     coefficients = np.polynomial.polynomial.polyfromroots(roots)[None, :]
     found = all_roots(coefficients.astype(complex))

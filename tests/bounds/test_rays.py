@@ -6,7 +6,7 @@ import mpmath
 import numpy as np
 import pytest
 from flint import acb, arb
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from gks.bounds.rayballs import stable_intervals_ball
@@ -15,6 +15,7 @@ from gks.bounds.rays import Intervals, everything, intersect, stable_intervals
 from gks.modes.doubledouble import Complex
 from gks.modes.rootbatch import roots
 from gks.scheme.integrators import INTEGRATORS, Integrator, integrator
+from tests.examples import examples
 
 POLYNOMIAL = [i for i in INTEGRATORS.values() if i.kind != "exact"]
 ALL = list(INTEGRATORS.values())
@@ -52,7 +53,7 @@ plane = st.complex_numbers(min_magnitude=1e-3, max_magnitude=1e3, allow_nan=Fals
 )
 
 
-@settings(max_examples=80, deadline=None)
+@examples(80)
 @given(plane)
 def test_forward_and_backward_euler_have_closed_forms(s: complex) -> None:
     """-2 Re(1/s) bounds lam for forward Euler from above; for backward Euler 2 Re(1/s) does from below."""
@@ -62,7 +63,7 @@ def test_forward_and_backward_euler_have_closed_forms(s: complex) -> None:
     assert_ends(backward, [(-float(limit), np.inf)] if s.real > 0 else [(0, np.inf)])
 
 
-@settings(max_examples=40, deadline=None)
+@examples(40)
 @given(plane)
 def test_crank_nicolson_and_the_exact_integrator_know_only_the_sign_of_the_real_part(s: complex) -> None:
     for method in ("crank-nicolson", "exact"):
@@ -133,7 +134,7 @@ def test_a_dense_scan_finds_the_same_set(method: Integrator) -> None:
 off_axes = st.floats(-np.pi, np.pi).filter(lambda angle: abs(np.sin(2 * angle)) > 1e-4)
 
 
-@settings(max_examples=150, deadline=None)
+@examples(150)
 @given(st.sampled_from(ALL), off_axes, st.integers(-300, 300))
 def test_balls_say_the_same_at_every_scale(method: Integrator, angle: float, octaves: int) -> None:
     """And the ends scale exactly with s: nothing in the way depends on its size."""
@@ -148,7 +149,7 @@ def test_balls_say_the_same_at_every_scale(method: Integrator, angle: float, oct
         assert np.isinf(b) if high is None else abs(arb(b) - high) <= high * float(found.error()[0])
 
 
-@settings(max_examples=60, deadline=None)
+@examples(60)
 @given(st.sampled_from(POLYNOMIAL), st.floats(0.01, 3.1), st.floats(1e-14, 1e-7), st.floats(-np.pi, np.pi))
 def test_the_stated_error_covers_every_mode_within_the_stated_disk(
     method: Integrator, angle: float, error: float, direction: float
@@ -239,7 +240,7 @@ def test_ends_that_no_normal_double_holds_are_unresolved() -> None:
 # --- the polynomial itself ----------------------------------------------------------------------------------------
 
 
-@settings(max_examples=60, deadline=None)
+@examples(60)
 @given(st.sampled_from([m for m in POLYNOMIAL if m.name != "leapfrog"]), st.floats(-3, 3), st.floats(0.1, 3))
 def test_the_ray_polynomial_is_the_product_over_pairs_of_roots(method: Integrator, x: float, y: float) -> None:
     """|lc|**(2k) prod (1 - z_i conj(z_j)) = t * (the polynomial at t = 1), roots from a companion matrix."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from fractions import Fraction
 
+from gks.catalogue.interfaces import UPWIND, closure_lines, ghost_equations, two_media
 from gks.scheme.model import Scheme
 from gks.scheme.schemefile import parse_scheme
 
@@ -20,29 +21,6 @@ first = 1
 [closure]
 equations = ["u[0, n+1] = u[1, n]"]
 """
-
-_INTERFACE = """
-title = "{title}"
-[parameters]
-lam = {{ role = "cfl", default = 0.5 }}
-alpha = {{ default = 1, range = [{low}, {high}] }}
-{further}
-[interior]
-{interior}
-[domains.L]
-side = "left"
-unknowns = ["u", "s"]
-flux = [["0", "-1"], ["-1", "0"]]
-[domains.R]
-side = "right"
-unknowns = ["u", "s"]
-flux = [["0", "-1/alpha"], ["-alpha", "0"]]
-[closure]
-let.u_I = "{u}"
-let.s_I = "{s}"
-equations = ["L.u[1] = u_I", "L.s[1] = s_I", "R.u[-1] = u_I", "R.s[-1] = s_I"]
-"""
-
 
 HALF_LINE = """
 title = "A closure with a parameter"
@@ -88,20 +66,21 @@ def half_line(interior: str, closure: str, low: str = "0", high: str = "inf") ->
 
 def interface(name: str, low: str = "0", high: str = "inf") -> Scheme:
     """The traditional coupling of two half-lines under a named fully discrete scheme."""
-    return parse_scheme(
-        _INTERFACE.format(
-            title=name, interior=f'scheme = "{name}"', u="L.u[0]", s="R.s[0]", low=low, high=high, further=""
-        ),
-        name,
-    )
+    return _coupled(name, f'scheme = "{name}"', _parameters(low, high), "L.u[0]", "R.s[0]")
 
 
 def upwind_interface(low: str, high: str, u: str = "L.u[0]", s: str = "R.s[0]", further: str = "") -> Scheme:
     """First-order upwinding with interface values given, alpha over a range; further parameters as lines of TOML."""
-    interior = 'space = "upwind1"\ntime = "forward-euler"'
-    return parse_scheme(
-        _INTERFACE.format(title="upwind", interior=interior, u=u, s=s, low=low, high=high, further=further), "upwind"
-    )
+    return _coupled("upwind", UPWIND, f"{_parameters(low, high)}\n{further}", u, s)
+
+
+def _parameters(low: str, high: str) -> str:
+    return f'lam = {{ role = "cfl", default = 0.5 }}\nalpha = {{ default = 1, range = [{low}, {high}] }}'
+
+
+def _coupled(name: str, interior: str, parameters: str, u: str, s: str) -> Scheme:
+    closure = closure_lines(ghost_equations(1), {"u_I": u, "s_I": s})
+    return parse_scheme(two_media(name, parameters, interior, closure), name)
 
 
 def advection_interface(weights: Sequence[Fraction]) -> Scheme:

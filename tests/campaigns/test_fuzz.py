@@ -12,8 +12,8 @@ from pathlib import Path
 import pytest
 
 from gks.campaigns import routes
+from gks.campaigns.conduct import Conduct
 from gks.campaigns.draw import INTERIORS, Draft, Interior
-from gks.campaigns.executors import workers
 from gks.campaigns.fuzz import CHUNK, fuzz, fuzz_chunk
 from gks.campaigns.routes import AGREES, OPEN, Check, judge, settled_radius
 from gks.campaigns.search import drawn
@@ -185,8 +185,8 @@ def test_the_result_is_the_same_with_any_workers_and_from_a_folder(
     monkeypatch.setattr("gks.campaigns.fuzz.CHUNK", 5)
     results, place = [], tmp_path / "chunks"
     for jobs, resume in ((1, place), (2, None), (1, place)):
-        with workers(jobs) as staff:
-            results.append(json.dumps(fuzz(12, 5, staff, None if resume is None else str(resume)).to_json()))
+        conduct = Conduct(jobs=jobs, resume=None if resume is None else str(resume))
+        results.append(json.dumps(fuzz(12, 5, conduct).to_json()))
         (place / "00000001.json").write_text("torn")
     assert results[0] == results[1] == results[2]
     found = json.loads(results[0])
@@ -208,5 +208,5 @@ def test_the_command_prints_progress_apart_and_writes_what_it_is_asked_for(tmp_p
 
 def test_without_hypothesis_the_command_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "hypothesis", None)
-    with pytest.raises(InputError, match=r"gks-stability\[fuzz\]"), workers() as staff:
-        fuzz(1, 0, staff)
+    with pytest.raises(InputError, match=r"gks-stability\[fuzz\]"):
+        fuzz(1, 0, Conduct())

@@ -3,20 +3,28 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from concurrent.futures import Executor, ThreadPoolExecutor
+from fractions import Fraction
 from pathlib import Path
+from typing import Any
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import gks
 from gks.bounds.curve import Curve
-from gks.bounds.sweep import parse_sweep
+from gks.bounds.point import CurvePoint, point_at
+from gks.bounds.sweep import Point, parse_sweep
+from gks.campaigns.conduct import Conduct
 from gks.campaigns.executors import InProcess
 from gks.campaigns.sweeps import campaign_curve, cut
 from gks.errors import InputError, ParameterError
+from gks.reports.notebook import PicturedCurve
+from gks.scheme.model import Scheme
 from tests.campaigns.command import run
+from tests.examples import examples
 
 SMALL = """
 title = "half-line"
@@ -88,18 +96,68 @@ def test_a_map_is_the_map_in_one_piece() -> None:
     scheme = gks.load("weighted-1-unequal").scheme
     sweeps = [parse_sweep("alpha=1/2:2:5"), parse_sweep("c=1/2:2:3")]
     whole = curve_map(scheme, scheme.values(), sweeps)
-    pieces = campaign_curve(scheme, scheme.values(), sweeps, jobs=1)
+    pieces = campaign_curve(scheme, scheme.values(), sweeps, Conduct(jobs=1))
     assert pieces.to_csv() == whole.to_csv()
     assert {**pieces.to_json(), "time_s": None} == {**whole.to_json(), "time_s": None}
 
 
 @given(st.integers(1, 300), st.integers(2, 50))
-@settings(max_examples=50)
+@examples(50)
 def test_pieces_are_the_points_in_order_and_none_is_alone(total: int, size: int) -> None:
     pieces = cut([float(k) for k in range(total)], size)
     assert [point for piece in pieces for point in piece] == [float(k) for k in range(total)]
     assert total == 1 or min(map(len, pieces)) >= 2
     assert max(map(len, pieces)) <= size + 1
+
+
+WIDE = SMALL.replace("u[0] = u[1]/a + (1 - 1/a)*u[2]", "u[0] = (2*u[1] - u[2])/a + (1 - 1/a)*u[3]")
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_chunks_honour_the_time_limit_of_a_point(jobs: int, tmp_path: Path) -> None:
+    path = tmp_path / "wide.toml"
+    path.write_text(WIDE)
+    scheme = gks.load(path)
+    (free, cut) = (scheme.curve(a=[1, 2, 3], jobs=jobs, limit=limit) for limit in (None, 1e-4))
+    assert isinstance(free, PicturedCurve)
+    assert isinstance(cut, PicturedCurve)
+    assert all(point.resolved for point in free.points)
+    points = cut.points
+    assert [(point.resolved, point.because) for point in points] == [
+        (False, "not done within the limit of 0.0001 s")
+    ] * 3
+
+
+def test_chunks_are_told_to_certify(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[bool] = []
+
+    def noting(scheme: Scheme, values: Mapping[str, Fraction], value: Point | None, *, certify: bool) -> CurvePoint:
+        asked.append(certify)
+        return point_at(scheme, values, value, certify=certify)
+
+    monkeypatch.setattr("gks.bounds.curve.point_at", noting)
+    path = tmp_path / "wide.toml"
+    path.write_text(WIDE)
+    for certify in (False, True):
+        gks.load(path).curve(a=[1, 2], jobs=1, certify=certify)
+    assert asked == [False, False, True, True]
+
+
+@pytest.mark.parametrize(
+    "asked", [{"jobs": 2}, {"resume": "chunks"}, {"executor": InProcess()}, {"limit": 5.0}, {"certify": True}]
+)
+def test_what_moduli_over_lam_cannot_honour_is_refused(asked: dict[str, Any]) -> None:
+    with pytest.raises(ParameterError, match="in one piece, in double precision"):
+        gks.load("traditional-1").curve(sweep="lam=0.1:1:3", **asked)
+
+
+def test_chunks_with_another_limit_are_another_campaign(tmp_path: Path) -> None:
+    scheme, place = gks.load("traditional-1"), str(tmp_path / "chunks")
+    scheme.curve(sweep="alpha=1:9:4", resume=place, limit=60)
+    with pytest.raises(InputError, match=r'another campaign \("limit"'):
+        scheme.curve(sweep="alpha=1:9:4", resume=place)
+    with pytest.raises(InputError, match=r'another campaign \("certify"'):
+        scheme.curve(sweep="alpha=1:9:4", resume=place, limit=60, certify=True)
 
 
 # The folder -----------------------------------------------------------------------------------------------------------
@@ -146,6 +204,14 @@ def test_the_command_writes_the_same_files_whoever_computes_them(tmp_path: Path)
         )
         written.append(out.read_bytes())
     assert written[0] == written[1]
+
+
+@pytest.mark.parametrize("asked", [("--limit", "5"), ("--certify",), ("--jobs", "2")])
+def test_the_command_refuses_them_as_well(asked: tuple[str, ...]) -> None:
+    status, printed, error = run("curve", "traditional-1", "--sweep", "lam=0.1:1:3", *asked)
+    assert (status, printed, error.count("\n")) == (2, "", 1)
+    assert "leave out --jobs" in error
+    assert run("curve", "traditional-1", "--sweep", "lam=0.1:1:3")[0] == 0
 
 
 @pytest.mark.parametrize(

@@ -4,9 +4,10 @@ from pathlib import Path
 from random import Random
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
+from tests.examples import examples
 from tests.fuzz.case import FILE, OUTPUTS, Case, parsed
 from tests.fuzz.mutations import command_line, mutated
 from tests.fuzz.replay import faults
@@ -29,7 +30,7 @@ def warm() -> None:
 
 
 @pytest.mark.usefixtures("warm")
-@settings(max_examples=60)
+@examples(60)
 @given(st.sampled_from(CHEAP), st.randoms())
 def test_edited_files_are_taken_well(tmp_path_factory: pytest.TempPathFactory, case: Case, random: Random) -> None:
     """Time is the business of the corpus and of `python -m tests.fuzz`: here it would depend on what else runs."""

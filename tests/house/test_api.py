@@ -4,12 +4,15 @@ import json
 from decimal import Decimal
 from fractions import Fraction
 from pathlib import Path
+from pkgutil import iter_modules
+from types import ModuleType
 from typing import Any
 
 import numpy as np
 import pytest
 
 import gks
+import gks.modes
 from gks.cli import main
 from gks.errors import InputError, ParameterError
 
@@ -89,6 +92,13 @@ def test_an_unknown_name_of_the_package_is_an_attribute_error() -> None:
         _ = gks.laod  # type: ignore[attr-defined]
 
 
-def test_every_public_name_is_there() -> None:
-    assert all(getattr(gks, name) is not None for name in gks.__all__)
+@pytest.mark.parametrize("package", [gks, gks.modes], ids=lambda each: str(each.__name__))
+def test_every_public_name_is_there_whatever_was_imported_before(package: ModuleType) -> None:
+    """A name that is fetched when it is first asked for is not that of a module below: importing that would hide it."""
+    public = set(package.__all__)
+    assert all(getattr(package, name) is not None for name in public)
+    assert public & {each.name for each in iter_modules(package.__path__)} <= {"catalogue"}
+
+
+def test_the_directory_of_names_has_the_public_ones() -> None:
     assert set(gks.__all__) <= set(dir(gks))

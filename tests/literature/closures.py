@@ -1,8 +1,7 @@
 """The classical closures of u_t = u_x on x > 0 (outflow at x = 0), written as they are printed.
 
 Gustafsson, Kreiss & Sundström, Math. Comp. 26 (1972); Gustafsson, Kreiss & Oliger, Time Dependent Problems and
-Difference
-Methods, ch. 11; Goldberg & Tadmor, Math. Comp. 36 (1981); Trefethen, Comm. Pure Appl. Math. 37 (1984).
+Difference Methods, ch. 11; Goldberg & Tadmor, Math. Comp. 36 (1981); Trefethen, Comm. Pure Appl. Math. 37 (1984).
 """
 
 from __future__ import annotations

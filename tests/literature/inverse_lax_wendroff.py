@@ -1,10 +1,9 @@
 """Simplified inverse Lax-Wendroff closures for u_t + u_x = 0 entering at x = 0, data 0.
 
 Cells at x_i = (i + sigma) dx. A ghost value is the Taylor polynomial at the boundary: its first ``known`` terms come
-from
-the boundary data and the equation (0 here), the others from the polynomial of degree ``order - 1`` through the first
-``order`` cells (Li, Shu & Zhang, J. Comput. Appl. Math. 299 (2016); Boutin, Le Barbenchon & Seguin on totally upwind
-schemes, which judges this example).
+from the boundary data and the equation (0 here), the others from the polynomial of degree ``order - 1`` through the
+first ``order`` cells (Li, Shu & Zhang, J. Comput. Appl. Math. 299 (2016), for upwind-biased interiors; Boutin, Le
+Barbenchon & Seguin on totally upwind schemes, for Beam-Warming).
 """
 
 from __future__ import annotations
@@ -55,8 +54,7 @@ def growth(order: int, known: int, sigma: Fraction, lam: float) -> float:
 
     Both spatial roots decay, so any two ghost values start a solution: v_i = (b v_(i-1) + c v_(i-2))/(z - a). With
     w = v_i (z - a)**(i+1) everything is a polynomial in y = z - a, and the closure's 2x2 determinant has the modes as
-    its
-    roots (the powers of y that were multiplied in lie at z = a, inside for 0 < lam < 2).
+    its roots (the powers of y that were multiplied in lie at z = a, inside for 0 < lam < 2).
     """
     a, b, c = (1 - lam) * (2 - lam) / 2, lam * (2 - lam), -lam * (1 - lam) / 2
     y = np.polynomial.Polynomial([0.0, 1.0])

@@ -6,11 +6,12 @@ from fractions import Fraction
 
 import pytest
 from flint import ctx, fmpz_poly
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from gks.modes.algebraic import Isolation, Position, Root, Side, factored_roots, isolated_roots, reciprocal
 from gks.modes.numerals import midpoint
+from tests.examples import examples
 
 x = fmpz_poly([0, 1])
 TINY = 10**300
@@ -43,7 +44,7 @@ class TestIsolation:
         assert sorted((root.rational, m) for root, m in factored_roots(poly)) == [(v, power) for v in sorted(values)]
 
     @given(st.lists(st.integers(-9, 9), min_size=3, max_size=9).filter(lambda c: c[-1] != 0))
-    @settings(max_examples=40)
+    @examples(40)
     def test_balls_are_disjoint_shrink_and_keep_their_root(self, coefficients: list[int]) -> None:
         roots = isolated_roots(fmpz_poly(coefficients))
         coarse = [root.ball(30) for root in roots]
@@ -105,7 +106,7 @@ class TestPosition:
         assert sum(root.position is Position.ON for root in isolated_roots((x**n - 1) * (x - 3))) == n
 
     @given(st.lists(st.integers(-9, 9), min_size=2, max_size=7).filter(lambda c: c[0] != 0 and c[-1] != 0))
-    @settings(max_examples=40)
+    @examples(40)
     def test_inversion_swaps_inside_and_outside(self, coefficients: list[int]) -> None:
         poly = fmpz_poly(coefficients)
         here = [root.position.value for root in isolated_roots(poly)]

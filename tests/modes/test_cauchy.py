@@ -6,7 +6,7 @@ from fractions import Fraction
 
 import pytest
 from flint import acb, fmpz_mpoly, fmpz_poly
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from gks.modes.algebraic import Position, Root, isolated_roots
@@ -19,6 +19,7 @@ from gks.modes.cauchy import (
     stable_as_limit,
 )
 from gks.modes.fibre import VanishesIdentically, fibre, specialise
+from tests.examples import examples
 from tests.modes.schemes import CONTEXT, discrete, kappa, lam, lines, s, symbol, z
 from tests.oracle.wave_numbers import largest_modulus
 
@@ -154,12 +155,12 @@ coefficients = st.lists(st.integers(-6, 6), min_size=2, max_size=4)
 
 class TestAgainstWaveNumbers:
     @given(coefficients, st.integers(1, 7))
-    @settings(max_examples=60)
+    @examples(60)
     def test_random_one_step_schemes(self, row: list[int], scale: int) -> None:
         self.check(scale * z * kappa - sum((c * kappa**j for j, c in enumerate(row)), CONTEXT.constant(0)))
 
     @given(coefficients, coefficients, st.integers(1, 7))
-    @settings(max_examples=60)
+    @examples(60)
     def test_random_two_step_schemes(self, one: list[int], two: list[int], scale: int) -> None:
         middle = sum((c * kappa**j for j, c in enumerate(one)), CONTEXT.constant(0))
         oldest = sum((c * kappa**j for j, c in enumerate(two)), CONTEXT.constant(0))

@@ -8,12 +8,13 @@ from math import inf, sqrt
 
 import pytest
 from flint import fmpz_poly
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from gks.modes.algebraic import Root, isolated_roots
 from gks.modes.cauchy import cauchy_stable
 from gks.modes.cauchy_set import CauchySet, cauchy_set, in_cosine
+from tests.examples import examples
 from tests.modes.schemes import CONTEXT, discrete, kappa, lam, lines, s, z
 from tests.oracle.wave_numbers import largest_modulus
 
@@ -137,7 +138,7 @@ class TestShapes:
 
 
 @given(st.lists(st.tuples(st.integers(-3, 3), st.integers(-3, 3)), min_size=2, max_size=3))
-@settings(max_examples=25)
+@examples(25)
 def test_membership_is_the_verdict_at_that_value(rows: list[tuple[int, int]]) -> None:
     poly = 3 * z * kappa - sum(((a + b * lam) * kappa**j for j, (a, b) in enumerate(rows)), CONTEXT.constant(0))
     found = cauchy_set(poly)

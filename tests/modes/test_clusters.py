@@ -6,12 +6,13 @@ from typing import cast
 
 import pytest
 from flint import acb, acb_poly, arb, ctx, fmpz_poly
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from gks.modes import clusters
 from gks.modes.algebraic import isolated_roots
 from gks.modes.clusters import isolate
+from tests.examples import examples
 
 x = fmpz_poly([0, 1])
 N = 10**300
@@ -27,7 +28,7 @@ def overlaps_one_each(poly: fmpz_poly, bits: int) -> bool:
 
 
 @given(st.lists(st.integers(-9, 9), min_size=3, max_size=14).filter(lambda c: c[-1] != 0))
-@settings(max_examples=60, deadline=None)
+@examples(60)
 def test_the_same_roots_as_flint(coefficients: list[int]) -> None:
     poly = fmpz_poly(coefficients)
     poly = poly // poly.gcd(poly.derivative())

@@ -7,7 +7,7 @@ from fractions import Fraction
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from gks.bounds.cfl import stable_set
@@ -25,6 +25,7 @@ from gks.modes.undecided import Undecided
 from gks.modes.verdict import ModesResult, Verdict
 from gks.scheme.model import Scheme
 from gks.scheme.schemefile import parse_scheme
+from tests.examples import examples
 from tests.oracle.finite_matrix import growing_modulus
 
 
@@ -252,7 +253,7 @@ def coupled_answer(scheme: Scheme, lam: str) -> Any:
 
 
 class TestBothRoutesAgree:
-    @settings(max_examples=20)
+    @examples(20)
     @given(st.data(), st.sampled_from(sorted(WAVES)), st.sampled_from(["1/2", "9/10", "6/5"]))
     def test_on_systems_that_separate(self, data: st.DataObject, name: str, lam: str) -> None:
         interior, time = WAVES[name]
@@ -294,7 +295,7 @@ COUPLED: Mapping[str, tuple[tuple[str, ...], str, tuple[str, ...]]] = {
 }
 
 
-@settings(max_examples=30)
+@examples(30)
 @given(st.data(), st.sampled_from(sorted(COUPLED)), st.sampled_from(["3/10", "1/2", "4/5"]))
 def test_growing_modes_are_those_of_the_finite_matrix(data: st.DataObject, name: str, lam: str) -> None:
     interior, time, needed = COUPLED[name]

@@ -6,11 +6,12 @@ from fractions import Fraction
 
 import pytest
 from flint import fmpz_mpoly_ctx, fmpz_poly
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from gks.modes.algebraic import Position, Root, isolated_roots
 from gks.modes.fibre import VanishesIdentically, coefficients, fibre, is_zero, norm, sign, specialise, value, vanishes
+from tests.examples import examples
 
 context = fmpz_mpoly_ctx.get(("s", "t", "x"), "lex")
 s, t, x = context.gens()
@@ -110,7 +111,7 @@ class TestFibre:
             unique_by=lambda p: p[0],
         )
     )
-    @settings(max_examples=30, deadline=None)
+    @examples(30)
     def test_prescribed_roots_shifted_by_an_irrational(self, prescribed: list[tuple[Fraction, int]]) -> None:
         poly = context.constant(1)
         for number, multiplicity in prescribed:

@@ -10,7 +10,7 @@ from gks.bounds.sweep import parse_sweep
 from gks.errors import NotAnalysable
 from gks.modes import analyse
 from gks.modes.algebraic import newton_refined
-from gks.modes.derive import derive
+from gks.modes.derivation import derive
 from gks.modes.verdict import Verdict
 from gks.scheme.model import Scheme
 from gks.scheme.schemefile import parse_scheme

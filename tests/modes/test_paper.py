@@ -109,7 +109,7 @@ def test_characteristic_polynomial(name: str) -> None:
     assert sympy.expand(derived - by_hand(name)) == 0 or sympy.expand(derived + by_hand(name)) == 0
 
 
-def matched(modes: tuple[Mode, ...], roots: list[Symbolic], places: int) -> None:
+def assert_matched(modes: tuple[Mode, ...], roots: list[Symbolic], places: int) -> None:
     """Every root of the list is a mode and the other way round, to so many relative digits."""
     points = [
         mpmath.mpc(*(mpmath.mpf(part.numerator) / part.denominator for part in m.z))
@@ -131,7 +131,7 @@ def test_roots_at_sixty_digits(name: str, alpha: str) -> None:
     with mpmath.workdps(60):
         roots = zeros_of(polynomial.as_expr())
         growth = [1 + mpmath.mpf(9) / 10 * (r - 1) for r in roots]
-        matched(analyse(scheme, scheme.values({"alpha": alpha, "lam": "9/10"})).modes, growth, 20)
+        assert_matched(analyse(scheme, scheme.values({"alpha": alpha, "lam": "9/10"})).modes, growth, 20)
 
 
 def zeros_of(polynomial: Symbolic) -> list[Symbolic]:

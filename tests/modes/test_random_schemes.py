@@ -1,5 +1,4 @@
-"""Random schemes: what elimination says against the finite update matrix, the count of zeros, and other ways to write
-them.
+"""Random schemes: what elimination says against the finite update matrix, the count of zeros, other ways of writing.
 
 Eigenvalues outside the circle of a truncated problem converge geometrically to the growing modes; what does not
 converge is the spectrum of the truncated interior, whose excess over 1 fades with the number of cells.
@@ -11,7 +10,7 @@ from collections.abc import Callable
 from random import Random
 
 import numpy as np
-from hypothesis import HealthCheck, assume, given, settings
+from hypothesis import HealthCheck, assume, given
 from hypothesis import strategies as st
 
 from gks.errors import InputError
@@ -20,17 +19,13 @@ from gks.modes.kreiss import normal_mode_problem
 from gks.modes.verdict import Mode, ModeKind
 from gks.modes.wide import wide_modes
 from gks.scheme.model import Scheme
+from tests.examples import examples
 from tests.modes.random_drafts import random_draft
 from tests.modes.rewritings import mirrored, moved, renamed, reordered, scaled
 from tests.oracle.finite_matrix import largest_modulus
 from tests.strategies import Draft, interface_drafts, scalar_drafts
 
 QUIET = [HealthCheck.too_slow, HealthCheck.filter_too_much, HealthCheck.data_too_large]
-
-
-def examples(share: float) -> settings:
-    """That share of the examples of the profile that is loaded."""
-    return settings(max_examples=max(1, int(share * settings.default.max_examples)), suppress_health_check=QUIET)  # type: ignore[union-attr]
 
 
 def judged(draft: Draft) -> tuple[Scheme, ModesResult]:
@@ -73,7 +68,8 @@ def slowest_decay(found: ModesResult) -> float:
     return max((min(size, 1 / size) for size in sizes), default=0.0)
 
 
-def agree(draft: Draft, cells: int) -> None:
+def assert_agrees(draft: Draft, cells: int) -> None:
+    """The verdict and the largest growing mode are those of the finite matrix, as far as that has settled."""
     scheme, found = judged(draft)
     assert found.reason != "interior", "the interiors drawn are Cauchy-stable"
     if not found.solvable:
@@ -94,25 +90,25 @@ def agree(draft: Draft, cells: int) -> None:
 
 
 @given(scalar_drafts())
-@examples(1.0)
+@examples(100, QUIET)
 def test_a_known_interior_with_a_random_closure(draft: Draft) -> None:
-    agree(draft, 16)
+    assert_agrees(draft, 16)
 
 
 @given(interface_drafts())
-@examples(0.5)
+@examples(50, QUIET)
 def test_a_random_interface(draft: Draft) -> None:
-    agree(draft, 10)
+    assert_agrees(draft, 10)
 
 
 @given(SEEDS)
-@examples(13.0)
+@examples(1300, QUIET)
 def test_a_random_interior_with_a_random_closure(draft: Draft) -> None:
-    agree(draft, 16 if len(draft.lines) == 1 else 10)
+    assert_agrees(draft, 16 if len(draft.lines) == 1 else 10)
 
 
 @given(SEEDS)
-@examples(1.5)
+@examples(150, QUIET)
 def test_the_count_of_zeros_agrees_with_elimination(draft: Draft) -> None:
     """The certified tier knows nothing of characteristic polynomials. It may say less, never otherwise."""
     scheme, found = judged(draft)
@@ -148,7 +144,7 @@ WAYS: tuple[Callable[[Draft, Random], Draft], ...] = (
 
 
 @given(SEEDS, st.sampled_from(WAYS), st.integers(0, 99))
-@examples(4.0)
+@examples(400, QUIET)
 def test_how_it_is_written_changes_nothing(draft: Draft, way: Callable[[Draft, Random], Draft], seed: int) -> None:
     (_, one), (_, other) = judged(draft), judged(way(draft, Random(seed)))
     assert (one.verdict, one.reason, one.tier) == (other.verdict, other.reason, other.tier)

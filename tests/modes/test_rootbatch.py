@@ -8,10 +8,11 @@ from fractions import Fraction as F
 import mpmath
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from gks.modes.rootbatch import Roots, roots
+from tests.examples import examples
 
 mpmath.mp.dps = 80
 
@@ -113,7 +114,7 @@ def test_every_degree_on_random_coefficients(degree: int) -> None:
 gaussian = st.tuples(st.integers(-9, 9), st.integers(-9, 9))
 
 
-@settings(max_examples=60, deadline=None)
+@examples(60)
 @given(st.lists(gaussian, min_size=1, max_size=8, unique=True), st.integers(-400, 400))
 def test_known_roots_lie_in_their_disks(points: list[tuple[int, int]], octaves: int) -> None:
     """Products of (x - g 2**k) over Gaussian integers g: the coefficients are exact doubles."""

@@ -11,6 +11,7 @@ import pytest
 
 from gks import catalogue
 from gks.bounds.cfl import stable_set
+from gks.catalogue.interfaces import closure_lines, ghost_equations, two_media
 from gks.errors import SchemeError
 from gks.modes import Verdict, analyse
 from gks.scheme.model import Scheme
@@ -149,24 +150,11 @@ class TestClosuresThatAreNone:
         assert verdict(scheme, lam="1/3") is Verdict.STABLE
 
 
-COUPLED = """
-title = "consistent coupling"
-[parameters]
-lam = {{ role = "cfl", default = 0.8 }}
-alpha = 3
-[interior]
-{interior}
-[domains.L]
-side = "left"
-unknowns = ["u", "s"]
-flux = [["0", "-1"], ["-1", "0"]]
-[domains.R]
-side = "right"
-unknowns = ["u", "s"]
-flux = [["0", "-1/alpha"], ["-alpha", "0"]]
-[closure]
-equations = ["L.u[1] = R.u[0]", "L.s[1] = R.s[0]", "R.u[-1] = L.u[0]", "R.s[-1] = L.s[0]"]
-"""
+def coupled(interior: str) -> Scheme:
+    """Each side's ghost cells take what the other side has next to the interface, whatever the materials."""
+    closure = closure_lines(ghost_equations(1, 1, ("R.u[0]", "R.s[0]"), ("L.u[0]", "L.s[0]")))
+    parameters = 'lam = { role = "cfl", default = 0.8 }\nalpha = 3'
+    return parse_scheme(two_media("consistent coupling", parameters, interior, closure), "coupled")
 
 
 class TestCrossingBranches:
@@ -175,7 +163,7 @@ class TestCrossingBranches:
     @pytest.mark.parametrize("interior", ['scheme = "lax-wendroff"', 'scheme = "lax-friedrichs"'])
     @pytest.mark.parametrize("alpha", ["3", "1/3"])
     def test_a_consistent_coupling_is_not_generalized_for_that(self, interior: str, alpha: str) -> None:
-        scheme = parse_scheme(COUPLED.format(interior=interior), "coupled")
+        scheme = coupled(interior)
         found = analyse(scheme, scheme.values({"alpha": alpha}))
         assert found.verdict is Verdict.STABLE
         naive = [m for m in found.modes if abs(m.z_complex - 1) < 1e-12]
@@ -187,9 +175,9 @@ class TestCrossingBranches:
         and is
         on both the limit of decaying ones, so the coupling has a generalized eigenvalue there.
         """
-        damped = parse_scheme(COUPLED.format(interior='scheme = "lax-wendroff"'), "coupled")
+        damped = coupled('scheme = "lax-wendroff"')
         assert verdict(damped, alpha=1) is Verdict.STABLE
-        neutral = parse_scheme(COUPLED.format(interior='space = "central2"\ntime = "leapfrog"'), "coupled")
+        neutral = coupled('space = "central2"\ntime = "leapfrog"')
         found = analyse(neutral, neutral.values({"alpha": "1"}))
         assert found.verdict is Verdict.GENERALIZED
         still = {(round(float(x), 12), round(float(y), 12)) for m in found.modes for x, y in m.kappa["R"]}

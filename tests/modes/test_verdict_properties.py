@@ -8,7 +8,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, assume, given, settings
+from hypothesis import HealthCheck, assume, given
 from hypothesis import strategies as st
 
 from gks.bounds.cfl import stable_set
@@ -17,11 +17,12 @@ from gks.modes import ModesResult, Verdict, analyse
 from gks.scheme.model import Scheme
 from gks.scheme.operators import discrete_stencil, stencil
 from gks.scheme.schemefile import parse_scheme
+from tests.examples import examples
 from tests.modes.rewritings import mirrored, moved, renamed, reordered, scaled
 from tests.oracle.finite_matrix import growing_modulus
 from tests.strategies import Draft, Line, Term, drafts, scalar_drafts
 
-FEW = settings(max_examples=12, suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much])
+FEW = examples(12, [HealthCheck.too_slow, HealthCheck.filter_too_much])
 CLOSE = 1e-14
 """Relative: the numbers compared are exact values rounded once, from enclosures of 80 bits."""
 
@@ -45,7 +46,8 @@ def summary(found: ModesResult) -> list[tuple[str, int, float, float]]:
     return sorted(rows, key=lambda row: (row[0], round(row[2], 9), round(row[3], 9)))
 
 
-def same(one: Draft, other: Draft) -> None:
+def assert_same(one: Draft, other: Draft) -> None:
+    """Verdict, reason and every mode but its kappa."""
     before, after = judged(one), judged(other)
     assert (before.verdict, before.reason) == (after.verdict, after.reason)
     left, right = summary(before), summary(after)
@@ -63,13 +65,13 @@ FACTORS = ["-7/3", "1e-40", "10**30", "(2 + lam)", "1/(lam**2 + 1)"]
 @given(drafts(), st.lists(st.sampled_from(FACTORS), min_size=4, max_size=4))
 @FEW
 def test_scaling_an_equation_changes_nothing(draft: Draft, factors: Sequence[str]) -> None:
-    same(draft, scaled(draft, factors))
+    assert_same(draft, scaled(draft, factors))
 
 
 @given(drafts())
 @FEW
 def test_names_change_nothing(draft: Draft) -> None:
-    same(draft, renamed(draft))
+    assert_same(draft, renamed(draft))
 
 
 @given(drafts())
@@ -77,7 +79,7 @@ def test_names_change_nothing(draft: Draft) -> None:
 def test_the_mirror_image_is_as_stable(draft: Draft) -> None:
     """x -> -x: sides swap, indices and fluxes change sign, kappa becomes 1/kappa."""
     image = mirrored(draft)
-    same(draft, image)
+    assert_same(draft, image)
     for one, other in zip(judged(draft).modes, judged(image).modes, strict=True):
         for name, kappas in one.kappa.items():
             mine = sorted((abs(complex(*map(float, k))) for k in kappas), reverse=True)
@@ -88,13 +90,13 @@ def test_the_mirror_image_is_as_stable(draft: Draft) -> None:
 @given(drafts())
 @FEW
 def test_the_order_of_domains_and_equations_changes_nothing(draft: Draft) -> None:
-    same(draft, reordered(draft))
+    assert_same(draft, reordered(draft))
 
 
 @given(drafts(), st.integers(-3, 4))
 @FEW
 def test_where_the_cells_start_to_count_changes_nothing(draft: Draft, by: int) -> None:
-    same(draft, moved(draft, by))
+    assert_same(draft, moved(draft, by))
 
 
 @given(scalar_drafts(), st.sampled_from([-3, -1, 1, 5]))
@@ -110,7 +112,7 @@ def test_equations_hold_at_every_level(draft: Draft, by: int) -> None:
         tuple(replace(t, level=t.level + by * (k + 1)) for t in equation) if discrete else equation
         for k, equation in enumerate(draft.closure)
     )
-    same(draft, replace(draft, lines=(replace(line, interior=interior),), closure=closure))
+    assert_same(draft, replace(draft, lines=(replace(line, interior=interior),), closure=closure))
 
 
 @given(drafts())
@@ -125,7 +127,7 @@ def test_coefficients_may_be_definitions(draft: Draft) -> None:
         return replace(term, coefficient=f"b{k}")
 
     changed = draft.on_terms(defined)
-    same(draft, replace(changed, definitions=tuple(table[::-1])))
+    assert_same(draft, replace(changed, definitions=tuple(table[::-1])))
 
 
 # Named schemes written out

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
@@ -24,6 +24,7 @@ from gks.modes.verdict import Mode, ModeKind, Verdict
 from gks.modes.wide import WideModes, wide_modes
 from gks.scheme.model import Scheme
 from gks.scheme.schemefile import parse_scheme
+from tests.examples import examples
 from tests.oracle.finite_matrix import largest_modulus
 from tests.oracle.scheme_texts import (
     BACKWARD_CENTRED,
@@ -227,14 +228,14 @@ equations = [{closure}]
 weights = st.fractions(min_value=-3, max_value=3, max_denominator=8)
 
 
-@settings(max_examples=12, deadline=None, derandomize=True)
+@examples(12)
 @given(st.tuples(weights, weights, weights), st.sampled_from(["1/4", "9/10"]), st.sampled_from([INFLOW, OUTFLOW]))
 def test_any_closure_of_lax_wendroff(w: tuple[Fraction, Fraction, Fraction], lam: str, direction: int) -> None:
     closure = f"u[-1] = ({w[0]})*u[0] + ({w[1]})*u[1] + ({w[2]})*u[2]"
     agree(written(lax_wendroff(1, direction), [closure]), lam=lam)
 
 
-@settings(max_examples=6, deadline=None, derandomize=True)
+@examples(6)
 @given(st.tuples(weights, weights, weights, weights), st.sampled_from(["1/4", "3/4"]))
 def test_any_closure_of_fourth_order_lax_wendroff(w: tuple[Fraction, ...], lam: str) -> None:
     closure = [f"u[-1] = ({w[0]})*u[0] + ({w[1]})*u[1]", f"u[-2] = ({w[2]})*u[0] + ({w[3]})*u[1]"]

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from flint import acb
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
@@ -24,6 +24,7 @@ from gks.modes.winding import full_circle, half_circle, seeds, walk
 from gks.scheme.integrators import INTEGRATORS
 from gks.scheme.model import Scheme
 from gks.scheme.schemefile import parse_scheme
+from tests.examples import examples
 from tests.oracle.scheme_texts import LAX_WENDROFF, LEAPFROG, half_line, traditional
 
 INFLOW = LAX_WENDROFF.replace("lam/2*(u[i+1] - u[i-1])", "(-lam/2)*(u[i+1] - u[i-1])")
@@ -47,7 +48,7 @@ def holds(disc: Discs, values: NDArray[Any]) -> bool:
 # Discs ----------------------------------------------------------------------------------------------------------------
 
 
-@settings(max_examples=60, deadline=None, derandomize=True)
+@examples(60)
 @given(numbers, radii, numbers, radii)
 def test_operations_enclose_their_values(x: complex, r: float, y: complex, s: float) -> None:
     a, b = Discs(np.asarray(x), np.asarray(r)), Discs(np.asarray(y), np.asarray(s))

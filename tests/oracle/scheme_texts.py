@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 
+from gks.catalogue.interfaces import two_media
 from gks.scheme.model import Scheme
 from gks.scheme.schemefile import parse_scheme
 
@@ -12,30 +13,14 @@ def interface(
     closure: str, time: str = "forward-euler", space: str = "upwind1", right: str = "", parameters: str = ""
 ) -> Scheme:
     """Two acoustic half-lines, kappa ratio alpha; `right` overrides the interior of R."""
-    return parse_scheme(
-        f"""
-title = "interface"
-[parameters]
-lam = {{ role = "cfl", default = 0.9 }}
-alpha = 1
-{parameters}
-[interior]
-space = "{space}"
-time = "{time}"
-[domains.L]
-side = "left"
-unknowns = ["u", "s"]
-flux = [["0", "-1"], ["-1", "0"]]
-[domains.R]
-side = "right"
-unknowns = ["u", "s"]
-flux = [["0", "-1/alpha"], ["-alpha", "0"]]
-{right}
-[closure]
-{closure}
-""",
+    text = two_media(
         "interface",
+        f'lam = {{ role = "cfl", default = 0.9 }}\nalpha = 1\n{parameters}',
+        f'space = "{space}"\ntime = "{time}"',
+        closure,
     )
+    # The table of R is the last one before the closure.
+    return parse_scheme(text.replace("\n[closure]", f"{right}\n\n[closure]"), "interface")
 
 
 def traditional(time: str = "forward-euler") -> Scheme:

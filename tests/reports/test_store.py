@@ -1,6 +1,7 @@
 """What is kept for the next run is used only where it is provably what would be computed; else it is computed again."""
 
 import json
+import os
 from dataclasses import replace
 from pathlib import Path
 
@@ -110,7 +111,25 @@ def test_the_key_holds_all_that_the_result_depends_on(monkeypatch: pytest.Monkey
     monkeypatch.undo()
     monkeypatch.setattr(stores, "code", lambda: "another program")
     keys.add(key_of(STEP))
-    assert len(keys) == 6
+    monkeypatch.undo()
+    monkeypatch.setattr(stores, "versions", lambda: (("gks", gks.__version__), ("numpy", "0.0")))
+    keys.add(key_of(STEP))
+    assert len(keys) == 7
+
+
+@pytest.mark.parametrize("file", ["steps.py", "gks.mplstyle", "traditional-1.toml"])
+def test_the_code_is_all_that_steps_read(file: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Shipped schemes and the style of pictures too: steps take them by name."""
+    folders: list[str] = []
+    real = os.listdir
+
+    def without(folder: str) -> list[str]:
+        folders.append(folder)
+        return [name for name in real(folder) if name != file]
+
+    monkeypatch.setattr("gks.reports.store.os.listdir", without)
+    assert stores.code.__wrapped__() != stores.code()
+    assert {Path(folder).name for folder in folders} >= {"bounds", "catalogue", "reports"}
 
 
 def test_the_key_does_not_hold_what_changes_nothing() -> None:

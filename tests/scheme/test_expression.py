@@ -7,7 +7,7 @@ from fractions import Fraction
 from itertools import product
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from gks.errors import IrrationalValue, ParameterError, TooLarge
@@ -15,6 +15,7 @@ from gks.scheme.expression import Expr, add, extremum, mul, number, power, sqrt,
 from gks.scheme.forms import ZeroTest
 from gks.scheme.formula import Context, parse_expression
 from gks.scheme.limits import MAX_BITS, MAX_DEGREE, MAX_WRITTEN, Work
+from tests.examples import examples
 
 alpha, lam = symbol("alpha"), symbol("lam")
 HALF = number(Fraction(1, 2))
@@ -77,7 +78,7 @@ def test_text_reads_back_with_the_same_value(expr: Expr, a: Fraction, b: Fractio
     assert parse_expression(str(expr), context).at(values) == expr.at(values)
 
 
-@settings(max_examples=40)  # sympy takes its time
+@examples(40)  # sympy takes its time
 @given(quotients(), st.fractions(min_value=1, max_value=9, max_denominator=99))
 def test_text_is_valid_sympy(expr: Expr, a: Fraction) -> None:
     import sympy

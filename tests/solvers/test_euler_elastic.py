@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from gks.solvers.coupled_riemann import CoupledRiemann, Solid, coupled_riemann, gas
@@ -31,6 +31,7 @@ from gks.solvers.table1 import (
     threshold,
     weighted_entries,
 )
+from tests.examples import examples
 
 DENSITY = st.floats(-10, 10).map(lambda power: 10.0**power)
 
@@ -149,7 +150,7 @@ def distance(run: Run, cells: int, time: float = 0.4) -> float:
 
 
 @given(st.sampled_from(list(CONDITIONS.values())[:4]), DENSITY, st.floats(-2, 2))
-@settings(max_examples=20)
+@examples(20)
 def test_a_gas_and_a_solid_in_balance_stay(condition: Condition, density: float, velocity: float) -> None:
     run = Run(condition, Solid(density, velocity=velocity, stress=-1.0), gas(velocity=velocity))
     batch = Coupled([run], 20)

@@ -6,10 +6,11 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from gks.solvers.growth import Growth, Trace, dominant_term, envelope, exponent, observe, observe_mode, pencil, quantile
+from tests.examples import examples
 
 
 def trace(values: np.ndarray) -> Trace:
@@ -30,7 +31,7 @@ def contains(found: Growth, rate: float) -> bool:
 
 
 @given(st.floats(-30, 30), st.floats(0.05, 3.0), st.floats(0.0, 6.0))
-@settings(max_examples=25)
+@examples(25)
 def test_a_complex_pair_of_any_size_and_angle(log_rate: float, angle: float, phase: float) -> None:
     """The norm oscillates and passes e**15000; the rate is found to rounding."""
     n = np.arange(501)
@@ -41,7 +42,7 @@ def test_a_complex_pair_of_any_size_and_angle(log_rate: float, angle: float, pha
 
 
 @given(st.floats(0.6, 1.4), st.floats(0.1, 0.9), st.integers(0, 2**31))
-@settings(max_examples=25)
+@examples(25)
 def test_a_mode_beside_a_transient(rate: float, ratio: float, seed: int) -> None:
     source = np.random.default_rng(seed)
     n = np.arange(401)

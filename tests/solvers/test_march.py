@@ -1,4 +1,7 @@
-"""Marches of whole schemes: against the finite matrix, against the normal modes, and in the traps."""
+"""Marches of whole schemes: against the finite matrix, against the normal modes, and in the traps.
+
+What an agreement rests on is in `test_march_evidence`.
+"""
 
 from __future__ import annotations
 
@@ -6,30 +9,18 @@ import json
 import math
 from dataclasses import replace
 from fractions import Fraction
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
-import gks.modes
 from gks.catalogue import find
 from gks.errors import NotAnalysable, ParameterError
 from gks.scheme.model import Scheme
-from gks.scheme.schemefile import parse_scheme
-from gks.solvers.growth import Growth, Trace
-from gks.solvers.march import (
-    March,
-    _agrees,
-    _nothing_claimed,
-    _told,
-    forced_response,
-    march,
-    march_growth,
-    mode_march,
-)
+from gks.solvers.march import forced_response, march, march_growth, mode_march
 from gks.solvers.problem import build
+from tests.examples import examples
 from tests.oracle.finite_matrix import growing_modulus
 from tests.oracle.scheme_texts import BACKWARD_CENTRED, CRANK_NICOLSON, LEAPFROG, half_line, traditional, weighted
 
@@ -48,7 +39,7 @@ class TestAgainstTheFiniteMatrix:
 
     @pytest.mark.parametrize("time", WEIGHTED)
     @given(weights=WEIGHTS)
-    @settings(max_examples=12)
+    @examples(12)
     def test_random_interface_weights(self, time: str, weights: tuple[Fraction, ...]) -> None:
         scheme = WEIGHTED[time]
         values = weighted_values(scheme, weights, LAM[time])
@@ -99,7 +90,7 @@ class TestAgainstTheNormalModes:
         assert found.agrees and found.observed < 1
 
     @given(weights=WEIGHTS, implicit=st.booleans())
-    @settings(max_examples=10)
+    @examples(10)
     def test_random_interface_weights(self, weights: tuple[Fraction, ...], implicit: bool) -> None:
         scheme = WEIGHTED["backward-euler" if implicit else "forward-euler"]
         values = weighted_values(scheme, weights, "0.7")
@@ -148,59 +139,6 @@ class TestGeneralized:
         scheme = half_line(CRANK_NICOLSON, '"u[0, n+1] = u[1]"', 1)
         found = march_growth(scheme, scheme.values({"lam": "2.1"})).growth
         assert not found.exceeds(1.0 + 1e-5) and found.uncertainty < 1e-3
-
-
-class TestAgreement:
-    """`agrees` can say no, and says why."""
-
-    @staticmethod
-    def random(rate: float, uncertainty: float = 0.01, steps: int = 1000) -> March:
-        return March(Growth(rate, uncertainty, "random"), Trace(np.ones((2, 1)), np.zeros(2)), (9, 9), steps)
-
-    def test_a_difference_beyond_the_uncertainty(self) -> None:
-        assert _agrees(1.2, Growth(1.2005, 1e-6, ""), self.random(0.9))[0]
-        agrees, why = _agrees(1.2, Growth(1.21, 1e-6, ""), self.random(0.9))
-        assert not agrees and "differ by" in why
-        assert _agrees(1.2, Growth(1.21, 0.02, ""), self.random(0.9))[0]
-
-    def test_different_sides_of_the_circle_never_agree(self) -> None:
-        agrees, why = _agrees(0.9998, Growth(1.0003, 1e-6, ""), self.random(0.9))
-        assert not agrees and "different sides" in why
-
-    def test_random_data_must_not_outgrow_the_prediction(self) -> None:
-        agrees, why = _agrees(0.9, Growth(0.9, 1e-9, ""), self.random(1.1))
-        assert not agrees and "faster than any mode" in why
-        assert _agrees(0.9, Growth(0.9, 1e-9, ""), self.random(1.1, 0.2))[0]
-
-    def test_growth_too_slow_for_the_march_to_tell_from_a_transient(self) -> None:
-        assert _nothing_claimed(self.random(1.0005, 1e-6, steps=1000), interior=False)[0]
-        assert not _nothing_claimed(self.random(1.0005, 1e-6, steps=10000), interior=False)[0]
-        assert _nothing_claimed(self.random(1.5), interior=True)[0]
-
-    def test_fast_waves_beside_slow_ones_are_no_growth(self) -> None:
-        """Speeds 1 : 1e4, so that a thousand steps are a tenth of the slow side's time scale."""
-        scheme = find("weighted-1-unequal")
-        assert march(scheme, scheme.values({"c": "1e4", "lam": "9e-5"})).agrees
-
-    @pytest.mark.parametrize(
-        ("modes", "agrees"),
-        [
-            ([], False),  # an analysis that overlooks the growing mode
-            ([(1.3, "growing")], False),  # one that misplaces it
-            ([(0.7, "decaying")], False),  # one that sees another instead
-            ([(1.1467344941179716, "growing"), (2.0, "inadmissible")], True),
-        ],
-    )
-    def test_a_wrong_analysis_is_caught(
-        self, monkeypatch: pytest.MonkeyPatch, modes: list[tuple[float, str]], agrees: bool
-    ) -> None:
-        z = (1 + 0.9 * (complex(1, math.sqrt(5)) / 2 - 1)) / 1.1467344941179716
-        listed = [SimpleNamespace(z_complex=m * z, modulus=m, kind=SimpleNamespace(value=k)) for m, k in modes]
-        monkeypatch.setattr(gks.modes, "analyse", lambda scheme, values: SimpleNamespace(modes=listed, reason=None))
-        scheme = traditional()
-        found = march(scheme, scheme.values({"alpha": 5}), steps=256)
-        assert found.agrees is agrees
-        assert ("DISAGREES" in str(found)) is not agrees
 
 
 class TestHistory:
@@ -253,94 +191,6 @@ class TestInsideTheCurveOfTheWaves:
         scheme = find("lax-wendroff-oblique-2")
         found = mode_march(build(scheme, scheme.values({})), 0.25)
         assert found is None or abs(found.growth.rate - 0.25) > 1e-2
-
-
-IMPLICIT_OUTFLOW = """
-title = "implicit outflow"
-[parameters]
-lam = { role = "cfl", default = "3" }
-[interior]
-space = "upwind2"
-time = "crank-nicolson"
-[domains.A]
-side = "right"
-unknowns = ["u"]
-flux = [["1"]]
-first = 3
-[closure]
-equations = ["u[2] = 0*u[3]", "u[1] = 0*u[3]"]
-"""
-
-
-class TestDecayOverHundredsOfOrders:
-    """A state that falls as a whole is scaled up again: only zeros are zero."""
-
-    @pytest.mark.parametrize("steps", [200, 1024])
-    def test_the_rate_does_not_depend_on_where_doubles_end(self, steps: int) -> None:
-        """Diagonal of the step: (1 - 3 lam/4)/(1 + 3 lam/4), -5/13 at lam = 3; (5/13)**1024 is 1e-425."""
-        scheme = parse_scheme(IMPLICIT_OUTFLOW, "implicit outflow")
-        found = march_growth(scheme, scheme.values({}), steps=steps)
-        assert abs(found.growth.rate - 5 / 13) <= found.growth.uncertainty < 0.01
-        assert found.steps == steps
-        last = found.trace.log_sizes()[-1]
-        assert last == pytest.approx(steps * math.log(5 / 13), abs=0.1 * steps)
-
-    def test_a_fall_by_more_than_the_ceiling_in_one_step(self) -> None:
-        scheme = half_line("u[i, n+1] = 10**-130*u[i]", '"u[-1] = 0*u[0]"')
-        found = march_growth(scheme, scheme.values({}), steps=40)
-        assert found.trace.log_sizes()[-1] == pytest.approx(-40 * 130 * math.log(10), rel=1e-3)
-
-    def test_what_is_zero_after_a_few_steps_stays_zero(self) -> None:
-        """u[i, n+1] = u[i+1]: all of it has left after as many steps as it filled cells."""
-        scheme = half_line("u[i, n+1] = u[i+1]", '"u[-1] = 0*u[0]"')
-        found = march_growth(scheme, scheme.values({}))
-        assert (found.growth.rate, found.growth.uncertainty) == (0.0, 0.0)
-
-
-class TestWhatAnAgreementRestsOn:
-    def test_an_interior_that_grows_is_named_beside_a_boundary_mode_that_agrees(self) -> None:
-        """Forward Euler, fourth order centred, unstable at every lam; the closure has a decaying mode of its own."""
-        text = """
-title = "unstable interior"
-[parameters]
-lam = { role = "cfl", default = "1" }
-[interior]
-space = "central4"
-time = "forward-euler"
-[domains.A]
-side = "right"
-unknowns = ["u"]
-flux = [["-1"]]
-first = 1
-[closure]
-equations = ["dt(u[0]) = 1*(u[1] - u[0])", "dt(u[-1]) = 1*(u[0] - u[-1])"]
-"""
-        scheme = parse_scheme(text, "unstable interior")
-        found = march(scheme, scheme.values({}), steps=256)
-        assert found.agrees and found.predicted is not None and found.predicted < 1
-        assert any(line.startswith("interior ") and "not Cauchy-stable" in line for line in str(found).splitlines())
-        assert "not Cauchy-stable" in str(found.to_json()["because"])
-
-    def test_a_stable_interior_is_not_mentioned(self) -> None:
-        found = march(traditional(), traditional().values({"alpha": 5}), steps=256)
-        assert found.told and "interior" not in str(found)
-
-    def test_a_program_can_tell_an_agreement_from_the_lack_of_a_contradiction(self) -> None:
-        scheme = traditional()
-        resolved = march(scheme, scheme.values({"alpha": 1})).to_json()
-        too_short = march(scheme, scheme.values({"alpha": 1}), steps=1).to_json()
-        assert (resolved["agrees"], resolved["told"]) == (True, True)
-        assert (too_short["agrees"], too_short["told"]) == (True, False)
-        assert "cannot tell" in str(too_short["because"])
-
-    def test_the_uncertainty_must_resolve_the_rate(self) -> None:
-        assert _told(1.2, Growth(1.2, 1e-4, ""), 1000, interior=False)
-        assert not _told(1.2, Growth(1.2, 0.1, ""), 1000, interior=False)
-        assert _told(None, Growth(0.9, 0.05, ""), 1000, interior=False)
-        assert not _told(None, Growth(0.9, 0.2, ""), 1000, interior=False)
-        assert not _told(None, Growth(1.0005, 1e-6, ""), 1000, interior=False)
-        assert _told(None, Growth(1.5, 0.1, ""), 1000, interior=True)
-        assert not _told(None, Growth(0.9, 0.01, ""), 1000, interior=True)
 
 
 class TestSizes:

@@ -9,13 +9,14 @@ import json
 from fractions import Fraction
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 
 from gks.catalogue import find, names
 from gks.errors import NotAnalysable
 from gks.scheme.model import Scheme
 from gks.scheme.schemefile import parse_scheme
 from gks.solvers.march import MarchResult, march
+from tests.examples import examples
 from tests.oracle.scheme_texts import constructs
 from tests.solvers.random_interfaces import interface_texts
 from tests.strategies import Draft, scalar_drafts
@@ -45,19 +46,19 @@ def explained(found: MarchResult | None) -> None:
 
 
 @given(text=interface_texts())
-@settings(max_examples=300)
+@examples(300)
 def test_random_interface_weights(text: str) -> None:
     explained(marched(parse_scheme(text, "random")))
 
 
 @given(text=interface_texts(fastest=10_000))
-@settings(max_examples=15)
+@examples(15)
 def test_wave_speeds_far_apart(text: str) -> None:
     explained(marched(parse_scheme(text, "random")))
 
 
 @given(draft=scalar_drafts())
-@settings(max_examples=40)
+@examples(40)
 def test_random_boundary_closures(draft: Draft) -> None:
     explained(marched(draft.scheme()))
 
