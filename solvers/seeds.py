@@ -74,19 +74,20 @@ def modes(problem: Problem, z: complex, seed: int = 0) -> Iterator[Seed]:
 
     As many cells as the kappas of z need to decay. Outside the unit circle inverse iteration is quick and safe. Inside
     the curve that the interior's waves trace every z is an eigenvalue of a truncated matrix but for rounding, so there
-    the least residual, which the far end has no part in, comes first. Raises OutOfReach where it takes more than
-    MOST_CELLS, or z is zero.
+    the least residual, which the far end has no part in, comes first. Raises OutOfReach, once there is no more that can
+    be set up, where one takes more than MOST_CELLS, or z is zero: the mode may be that one.
     """
     searches = (_inverse_iteration, _least_residual) if abs(z) >= 1 else (_least_residual, _inverse_iteration)
-    reached = False
-    for resolvent in _resolvents(problem, z):
+    resolvents = _resolvents(problem, z)
+    beyond = not resolvents
+    for resolvent in resolvents:
         counts = [_length(problem, side, resolvent) for side in range(len(problem.sides))]
         if max(counts) > MOST_CELLS:
+            beyond = True
             continue
-        reached = True
         found = (search(problem, counts, resolvent, z, seed) for search in searches)
         yield from (start for start in found if start is not None)
-    if not reached:
+    if beyond:
         raise OutOfReach
 
 

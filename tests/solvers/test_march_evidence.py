@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from types import SimpleNamespace
 
 import numpy as np
@@ -11,11 +11,20 @@ import pytest
 
 import gks.modes
 from gks.catalogue import find
+from gks.catalogue.interfaces import UNIT, closure_lines, ghost_equations, own_value, two_media
 from gks.scheme.model import Scheme
 from gks.scheme.schemefile import parse_scheme
 from gks.solvers.growth import Growth, Trace
 from gks.solvers.march import March, _agrees, _nothing_claimed, _told, march, march_growth
 from tests.oracle.scheme_texts import half_line, traditional
+
+
+def acoustic(interior: str, order: int, values: Mapping[str, str], lam: str, c: str) -> Scheme:
+    """Two acoustic half-lines of wave speeds 1 and c and equal density, coupled by interface values."""
+    closure = closure_lines(ghost_equations(order, 1), values)
+    media = (UNIT, ("-1", f"-({c})**2"))
+    parameters = f'lam = {{ role = "cfl", default = "{lam}" }}'
+    return parse_scheme(two_media("weights", parameters, interior, closure, media), "weights")
 
 
 def named_half_line(space: str, time: str, flux: str, first: int, closure: Sequence[str]) -> Scheme:
@@ -67,6 +76,23 @@ class TestAgreement:
         assert _nothing_claimed(self.random(1.0005, 1e-6, steps=1000), interior=False)[0]
         assert not _nothing_claimed(self.random(1.0005, 1e-6, steps=10000), interior=False)[0]
         assert _nothing_claimed(self.random(1.5), interior=True)[0]
+
+    def test_random_data_that_hardly_grow_leave_it_to_the_mode_itself(self) -> None:
+        """z = 1.0045 over 128 steps is a factor 1.8: waves that leave fast hide as much."""
+        values = {"u_I": f"-9/10*({own_value('L', 'u', 2)})", "s_I": "0"}
+        scheme = acoustic('scheme = "lax-wendroff"', 2, values, lam="11/2000", c="100")
+        found = march(scheme, scheme.values({}), steps=128)
+        assert found.agrees and found.told and found.method == "from the mode"
+        assert found.observed == pytest.approx(1.00454061793442, rel=1e-10)
+
+    def test_a_mode_that_reaches_beyond_what_is_marched_is_not_denied(self) -> None:
+        """abs(kappa) = 1 - 2e-4, and RK4 has three other s for this z, none of which is a mode."""
+        values = {"u_I": "R.u[0] + 4/5*(L.s[0] - R.s[0])", "s_I": "1/5*R.s[0]"}
+        scheme = acoustic('space = "central2"\ntime = "rk4"', 1, values, lam="7/25", c="1/100")
+        found = march(scheme, scheme.values({}), steps=128)
+        assert found.agrees and not found.told
+        assert found.uncertainty == math.inf
+        assert "reaches too far" in found.because
 
     def test_fast_waves_beside_slow_ones_are_no_growth(self) -> None:
         """Speeds 1 : 1e4, so that a thousand steps are a tenth of the slow side's time scale."""
