@@ -50,6 +50,8 @@ class Derivation:
         }
 
     def __str__(self) -> str:
+        if not self.factors:
+            return f"{self.scheme.title}\n  no normal modes: the determinant vanishes nowhere"
         lines = [self.scheme.title, f"  {self.characteristic_polynomial} = 0"]
         if len(self.factors) > 1 or any("**" in f and f.startswith("(") for f in self.factors):
             lines.append(f"  factors: {', '.join(self.factors)}")

@@ -15,6 +15,7 @@ import gks
 import gks.modes
 from gks.cli import main
 from gks.errors import InputError, ParameterError
+from tests.bounds.theorem_schemes import upwind_flux
 
 
 def test_a_scheme_is_loaded_by_name_or_by_path() -> None:
@@ -52,6 +53,12 @@ def test_derive_keeps_what_is_not_given_as_a_symbol() -> None:
     scheme = gks.load("traditional-1")
     assert scheme.derive().characteristic_polynomial == "4*r**2 - 4*r + alpha + 1"
     assert "alpha" not in scheme.derive(alpha=3).characteristic_polynomial
+
+
+def test_a_determinant_that_vanishes_nowhere_has_no_modes_to_print() -> None:
+    derived = gks.LoadedScheme(upwind_flux("a", "3*u[1]")).derive(a=-1)
+    assert str(derived).splitlines()[1] == "  no normal modes: the determinant vanishes nowhere"
+    assert derived.to_json()["characteristic_polynomial"] == "1"
 
 
 def test_modes_are_what_the_command_prints(capsys: pytest.CaptureFixture[str]) -> None:
