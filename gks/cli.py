@@ -74,6 +74,10 @@ class _Commands:
             "--resume", metavar="DIR", help="keep finished chunks in the folder DIR, and go on from those that it holds"
         )
 
+    def written(self, sub: argparse.ArgumentParser, endings: str) -> None:
+        """Lets a command write files instead of printing."""
+        sub.add_argument("-o", action="append", default=[], metavar="OUT", dest="outputs", help=endings)
+
 
 def parser() -> argparse.ArgumentParser:
     """The parser of the whole command line; `command` names the function of `gks.commands` that carries it out."""
@@ -84,12 +88,21 @@ def parser() -> argparse.ArgumentParser:
         allow_abbrev=False,
     )
     top.add_argument("--version", action="version", version=f"gks {gks.__version__}")
-    commands = top.add_subparsers(title="commands", metavar="COMMAND", required=True)
+    command = _Commands(top.add_subparsers(title="commands", metavar="COMMAND", required=True))
+    for group in (_files, _modes, _regions, _trials, _pages):  # in the order of --help
+        group(command)
+    return top
 
-    command = _Commands(commands)
+
+def _files(command: _Commands) -> None:
+    """Which schemes there are, and a new one."""
     command.plain("list", "the shipped schemes", file=False)
     new = command.plain("new", "write a commented scheme file to start from", file=False, json=False)
     new.add_argument("name", metavar="NAME", help="the file to write, .toml added if missing; never overwrites")
+
+
+def _modes(command: _Commands) -> None:
+    """The polynomial, its roots, and the modes that they are."""
     command.parametrised("derive", "the characteristic polynomial and how its roots map to z")
     command.bounded(command.parametrised("modes", "the normal modes and the verdict at one set of parameter values"))
     profile = command.parametrised("profile", "what a normal mode looks like in space, on both sides of the boundary")
@@ -97,26 +110,23 @@ def parser() -> argparse.ArgumentParser:
         "--mode", type=_place, default=0, metavar="K", help="the mode, by its place in `gks modes` from 0 (default: 0)"
     )
     profile.add_argument("--cells", type=_count, metavar="N", help="points a side (default: until the mode has faded)")
-    profile.add_argument("-o", action="append", default=[], metavar="OUT", dest="outputs", help=_PICTURE_OUTPUT)
+    command.written(profile, _PICTURE_OUTPUT)
     roots = command.parametrised("roots", "where the roots z move as a parameter runs, and what they are")
-    roots.add_argument("--sweep", required=True, metavar="NAME=LO:HI:COUNT[:log]", help="the parameter that runs")
-    roots.add_argument("-o", action="append", default=[], metavar="OUT", dest="outputs", help=_PICTURE_OUTPUT)
+    roots.add_argument("--sweep", required=True, metavar=_SWEEP, help="the parameter that runs")
+    command.written(roots, _PICTURE_OUTPUT)
+
+
+def _regions(command: _Commands) -> None:
+    """Where a scheme is stable: computed, proved, verified, and held against what is claimed."""
     curve = command.parametrised("curve", "the largest stable CFL number and all stable intervals, over a parameter")
     curve.add_argument(
         "--sweep",
         action="append",
         default=[],
-        metavar="NAME=LO:HI:COUNT[:log]",
+        metavar=_SWEEP,
         help="a parameter that runs, e.g. alpha=1e-4:1e4:401:log (twice: a map; the CFL number: the modes' moduli)",
     )
-    curve.add_argument(
-        "-o",
-        action="append",
-        default=[],
-        metavar="OUT",
-        dest="outputs",
-        help="write to OUT instead; its ending says what: .csv .json .png .svg .pdf (may be repeated)",
-    )
+    command.written(curve, _PICTURE_OUTPUT)
     command.bounded(curve)
     command.spread(curve)
     prove = command.parametrised("prove", "the stable region over a parameter, as a theorem with a certificate")
@@ -127,6 +137,10 @@ def parser() -> argparse.ArgumentParser:
     audit = command.plain("audit", "the claims of a scheme file, held against what is derived", file=False)
     audit.add_argument("file", metavar="FILE", nargs="?", help="a scheme file, or the name of a shipped scheme")
     audit.add_argument("--all", action="store_true", help="audit every shipped scheme instead, as one table")
+
+
+def _trials(command: _Commands) -> None:
+    """What is tried out: random interfaces, and marches."""
     fuzz = command.plain("fuzz", "random interfaces, each judged by independent routes", file=False)
     fuzz.add_argument("--count", type=_count, default=1000, metavar="N", help="how many (default: 1000)")
     fuzz.add_argument("--seed", type=_place, default=0, metavar="S", help="what they are drawn from (default: 0)")
@@ -134,10 +148,14 @@ def parser() -> argparse.ArgumentParser:
     fuzz.add_argument(
         "--save", default=".", metavar="DIR", help="the folder for the minimal scheme of a disagreement (default: this)"
     )
-    fuzz.add_argument("-o", action="append", default=[], metavar="OUT", dest="outputs", help=_TABLE_OUTPUT)
+    command.written(fuzz, _TABLE_OUTPUT)
     march = command.parametrised("march", "growth per step observed in a march, beside what the modes predict")
     march.add_argument("--cells", type=_count, metavar="N", help="cells a side (default: as many as the modes need)")
     march.add_argument("--steps", type=_count, metavar="N", help="steps (default: as many as the growth needs)")
+
+
+def _pages(command: _Commands) -> None:
+    """Reports and measurements."""
     report = command.plain("report", "a page with pictures: all there is to say about a scheme", file=False, json=False)
     report.add_argument("files", metavar="FILE", nargs="*", help="scheme files, or names of shipped schemes")
     report.add_argument("--paper", action="store_true", help="the paper of Banks & Sjögreen redone, instead")
@@ -153,10 +171,10 @@ def parser() -> argparse.ArgumentParser:
     report.add_argument("--fresh", action="store_true", help="compute all anew, whatever an earlier run has kept")
     bench = command.plain("bench", "measure this program on this machine", file=False)
     bench.add_argument("table", choices=("speed", "precision", "theorems", "stress", "scale"), help="what to measure")
-    bench.add_argument("-o", action="append", default=[], metavar="OUT", dest="outputs", help=_TABLE_OUTPUT)
-    return top
+    command.written(bench, _TABLE_OUTPUT)
 
 
+_SWEEP = "NAME=LO:HI:COUNT[:log]"
 _PICTURE_OUTPUT = "write to OUT instead; its ending says what: .csv .json .png .svg .pdf (may be repeated)"
 _TABLE_OUTPUT = "write to OUT instead, a .csv or .json file; for precision .png .svg .pdf too (may be repeated)"
 
