@@ -59,6 +59,11 @@ class _Commands:
         )
         return sub
 
+    def timed(self, sub: argparse.ArgumentParser) -> argparse.ArgumentParser:
+        """Lets a command be told when to give up."""
+        sub.add_argument("--limit", type=_seconds, metavar="SECONDS", help="give up if it takes longer (default: 600)")
+        return sub
+
     def bounded(self, sub: argparse.ArgumentParser) -> None:
         """Lets a command be told how long to try, and what counts as an answer."""
         sub.add_argument(
@@ -103,17 +108,17 @@ def _files(command: _Commands) -> None:
 
 def _modes(command: _Commands) -> None:
     """The polynomial, its roots, and the modes that they are."""
-    command.parametrised("derive", "the characteristic polynomial and how its roots map to z")
+    command.timed(command.parametrised("derive", "the characteristic polynomial and how its roots map to z"))
     command.bounded(command.parametrised("modes", "the normal modes and the verdict at one set of parameter values"))
     profile = command.parametrised("profile", "what a normal mode looks like in space, on both sides of the boundary")
     profile.add_argument(
         "--mode", type=_place, default=0, metavar="K", help="the mode, by its place in `gks modes` from 0 (default: 0)"
     )
     profile.add_argument("--cells", type=_count, metavar="N", help="points a side (default: until the mode has faded)")
-    command.written(profile, _PICTURE_OUTPUT)
+    command.written(command.timed(profile), _PICTURE_OUTPUT)
     roots = command.parametrised("roots", "where the roots z move as a parameter runs, and what they are")
     roots.add_argument("--sweep", required=True, metavar=_SWEEP, help="the parameter that runs")
-    command.written(roots, _PICTURE_OUTPUT)
+    command.written(command.timed(roots), _PICTURE_OUTPUT)
 
 
 def _regions(command: _Commands) -> None:
@@ -130,13 +135,15 @@ def _regions(command: _Commands) -> None:
     command.bounded(curve)
     command.spread(curve)
     prove = command.parametrised("prove", "the stable region over a parameter, as a theorem with a certificate")
-    prove.add_argument("--limit", type=_seconds, metavar="SECONDS", help="how long it may take (default: no limit)")
-    prove.add_argument("-o", metavar="OUT", dest="output", help="write the certificate to OUT, a .json file")
+    command.timed(prove).add_argument(
+        "-o", metavar="OUT", dest="output", help="write the certificate to OUT, a .json file"
+    )
     check = command.plain("check", "verify a certificate with code that the prover does not share", file=False)
-    check.add_argument("file", metavar="CERTIFICATE", help="a file that `gks prove -o` wrote")
+    command.timed(check).add_argument("file", metavar="CERTIFICATE", help="a file that `gks prove -o` wrote")
     audit = command.plain("audit", "the claims of a scheme file, held against what is derived", file=False)
     audit.add_argument("file", metavar="FILE", nargs="?", help="a scheme file, or the name of a shipped scheme")
-    audit.add_argument("--all", action="store_true", help="audit every shipped scheme instead, as one table")
+    audit.add_argument("--all", action="store_true", help="audit every shipped scheme instead, as one table; no limit")
+    command.timed(audit)
 
 
 def _trials(command: _Commands) -> None:
@@ -150,7 +157,9 @@ def _trials(command: _Commands) -> None:
     )
     command.written(fuzz, _TABLE_OUTPUT)
     march = command.parametrised("march", "growth per step observed in a march, beside what the modes predict")
-    march.add_argument("--cells", type=_count, metavar="N", help="cells a side (default: as many as the modes need)")
+    command.timed(march).add_argument(
+        "--cells", type=_count, metavar="N", help="cells a side (default: as many as the modes need)"
+    )
     march.add_argument("--steps", type=_count, metavar="N", help="steps (default: as many as the growth needs)")
 
 

@@ -34,8 +34,33 @@ class Tabular(Protocol):
 
 
 def carry_out(arguments: Namespace) -> str:
-    """The text that the command prints; InputError where the input is at fault."""
-    return _COMMANDS[arguments.command](arguments)
+    """The text that the command prints; InputError where the input is at fault, or one of `WHOLE` is over its time."""
+    limit = _whole_limit(arguments) if arguments.command in WHOLE else None
+    if limit is None:
+        return _COMMANDS[arguments.command](arguments)
+    from gks.bounds.timelimit import OverTime, limited
+
+    try:
+        (text,) = limited(_report_text, (arguments,), limit)
+    except OverTime as over:
+        raise InputError(str(over), mend="--limit SECONDS allows more") from None
+    return str(text)
+
+
+WHOLE = frozenset({"derive", "profile", "roots", "check", "audit", "march"})
+"""Commands that are done within their time limit or not at all; `modes`, `curve` and `prove` say what they have."""
+
+LONGEST = 600.0
+"""Seconds that a whole command may take unless told otherwise: a scheme file from a stranger must not hang it."""
+
+
+def _whole_limit(arguments: Namespace) -> float | None:
+    given: float | None = arguments.limit
+    return given if getattr(arguments, "all", False) else _limit(arguments, LONGEST)
+
+
+def _report_text(arguments: Namespace, report: Callable[[str], None]) -> None:
+    report(_COMMANDS[arguments.command](arguments))
 
 
 def settings(texts: Sequence[str]) -> dict[str, str]:
@@ -95,7 +120,7 @@ def _modes(arguments: Namespace) -> str:
     from gks.api import load
 
     scheme, given = load(arguments.file), settings(arguments.settings)
-    return _shown(scheme.modes(given, limit=_limit(arguments), certify=arguments.certify), arguments)
+    return _shown(scheme.modes(given, limit=_patience(arguments), certify=arguments.certify), arguments)
 
 
 def _profile(arguments: Namespace) -> str:
@@ -133,7 +158,7 @@ def _curve(arguments: Namespace) -> str:
             scheduler=arguments.scheduler,
             resume=arguments.resume,
             progress=progress,
-            limit=arguments.limit if over_lam else _limit(arguments),
+            limit=arguments.limit if over_lam else _patience(arguments),
             certify=arguments.certify,
         )
     for path, write in writers.items():
@@ -141,12 +166,19 @@ def _curve(arguments: Namespace) -> str:
     return "\n".join(writers) if writers and not arguments.json else _shown(result, arguments)
 
 
-def _limit(arguments: Namespace) -> float | None:
-    """The time limit asked for; without one, patience where it costs nothing."""
-    from gks.bounds.timelimit import PATIENCE, can_fork
+def _limit(arguments: Namespace, otherwise: float) -> float | None:
+    """The time limit asked for; without one, the usual where it costs nothing."""
+    from gks.bounds.timelimit import can_fork
 
     given: float | None = arguments.limit
-    return PATIENCE if given is None and can_fork() else given
+    return otherwise if given is None and can_fork() else given
+
+
+def _patience(arguments: Namespace) -> float | None:
+    """The time limit of a verdict, or of a point of a curve."""
+    from gks.bounds.timelimit import PATIENCE
+
+    return _limit(arguments, PATIENCE)
 
 
 @contextmanager
@@ -181,9 +213,8 @@ def _prove(arguments: Namespace) -> str:
 
     if arguments.output is not None:
         _writer(arguments.output, (".json",))
-    theorem = load(arguments.file).prove(
-        settings(arguments.settings), limit=arguments.limit, progress=_said_to_a_terminal
-    )
+    limit = LONGEST if arguments.limit is None else arguments.limit
+    theorem = load(arguments.file).prove(settings(arguments.settings), limit=limit, progress=_said_to_a_terminal)
     if arguments.output is not None and theorem.proved:
         import json
 

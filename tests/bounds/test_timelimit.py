@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -15,6 +16,7 @@ from gks.bounds.curve import curve
 from gks.bounds.sweep import parse_sweep
 from gks.bounds.timelimit import OverTime, limited
 from gks.bounds.verdicts import verdict_within
+from gks.cli import main
 from gks.errors import ParameterError
 from gks.modes.verdict import Verdict
 
@@ -92,3 +94,38 @@ def test_points_of_the_batch_need_no_limit() -> None:
     scheme = catalogue.find("traditional-2")
     found = curve(scheme, scheme.values({}), parse_sweep("alpha=1:10:50"), limit=1e-3)
     assert all(point.resolved for point in found.points)
+
+
+WHOLE_COMMANDS = [
+    ("derive", "traditional-2"),
+    ("profile", "leapfrog-space-0"),
+    ("roots", "traditional-1", "--sweep", "alpha=1:9:3"),
+    ("audit", "traditional-1"),
+    ("march", "traditional-1"),
+]
+
+
+@pytest.mark.parametrize("command", WHOLE_COMMANDS, ids=lambda command: str(command[0]))
+def test_a_command_over_its_time_says_so_in_one_line(
+    command: tuple[str, ...], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main([*command, "--limit", "0.001"]) == 2
+    printed = capsys.readouterr()
+    assert printed.out == ""
+    assert printed.err == "gks: not done within the limit of 0.001 s; --limit SECONDS allows more\n"
+
+
+@pytest.mark.parametrize("command", WHOLE_COMMANDS[:2], ids=lambda command: str(command[0]))
+def test_a_command_within_its_time_prints_what_it_would(
+    command: tuple[str, ...], capsys: pytest.CaptureFixture[str]
+) -> None:
+    texts = []
+    for limit in ((), ("--limit", "300")):
+        assert main([*command, *limit]) == 0
+        texts.append(re.sub(r"[\d.e-]+ s\)", "s)", capsys.readouterr().out))
+    assert texts[0] == texts[1] != ""
+
+
+def test_what_is_at_fault_is_said_as_without_a_limit(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["derive", "traditional-1", "-p", "beta=1", "--limit", "300"]) == 2
+    assert '"beta"' in capsys.readouterr().err
