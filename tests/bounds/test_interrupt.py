@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import os
 import signal
-import subprocess
-import sys
 from pathlib import Path
 from time import sleep
 
 import pytest
 
-from gks.bounds.subprocessing import environment
 from gks.reports.bench_theorems import interface
+from tests.campaigns.command import interruptible
 
 pytestmark = pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="processes are told by /proc")
 
@@ -32,13 +29,12 @@ def children(parent: int) -> list[int]:
 def test_a_proof_that_is_interrupted_leaves_nothing(tmp_path: Path) -> None:
     scheme, out = tmp_path / "fromm.toml", tmp_path / "out.json"
     scheme.write_text(interface("Fromm", 2))
-    command = [sys.executable, "-m", "gks", "prove", str(scheme), "-o", str(out)]
-    with subprocess.Popen(command, env=environment(), stdout=subprocess.PIPE, stderr=subprocess.PIPE) as proof:
+    with interruptible("prove", str(scheme), "-o", str(out)) as proof:
         while not (mine := children(proof.pid)):
             assert proof.poll() is None
             sleep(0.05)
         sleep(1)  # the child is deep in FLINT, which knows no interruption
-        os.kill(proof.pid, signal.SIGINT)
+        proof.send_signal(signal.SIGINT)
         _, errors = proof.communicate(timeout=60)
     assert proof.returncode == 130
     assert errors.decode().strip() == "gks: interrupted"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import shutil
 import subprocess
 from fractions import Fraction
 from functools import cache
@@ -22,6 +21,7 @@ from gks.catalogue import find
 from gks.errors import ParameterError
 from gks.scheme.model import Scheme
 from tests.bounds.theorem_schemes import LAX_WENDROFF, half_line, upwind_flux
+from tests.wanted import NEEDS_LATEX, pdflatex
 
 NAMES = ("traditional-1", "traditional-2", "average-1", "implicit-1", "gap", "speed", "in lam", "roots")
 
@@ -122,16 +122,16 @@ def test_the_examples_hold_formulas_of_every_kind() -> None:
 # LaTeX --------------------------------------------------------------------------------------------------------------
 
 
-def mathtext(latex: str) -> None:
-    """Raises where matplotlib's reader of TeX mathematics does."""
-    MathTextParser("path").parse(f"${latex}$")
+def width(latex: str) -> float:
+    """Of what matplotlib's reader of TeX mathematics makes of it; ValueError where it cannot read it."""
+    return float(MathTextParser("path").parse(f"${latex}$").width)
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_formulas_are_tex(name: str) -> None:
-    for piece in theorem(name).pieces:
-        for tex in (end.latex for span in piece.stable_set for end in span):
-            mathtext(tex)
+    formulas = [end.latex for piece in theorem(name).pieces for span in piece.stable_set for end in span]
+    assert formulas
+    assert all(width(tex) > 0 for tex in formulas)
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -148,12 +148,12 @@ def test_a_statement_is_one_line_of_cases_in_two_columns(name: str) -> None:
     assert depth == 0
 
 
-@pytest.mark.skipif(shutil.which("pdflatex") is None, reason="TeX is not installed")
+@NEEDS_LATEX
 def test_statements_compile(tmp_path: Path) -> None:
     body = "\n".join(rf"\[{theorem(name).latex}\]" for name in NAMES)
     text = "\\documentclass{article}\\usepackage{amsmath}\\begin{document}\n" + body + "\n\\end{document}\n"
     (tmp_path / "theorems.tex").write_text(text)
-    command = ["pdflatex", "-interaction=nonstopmode", "-halt-on-error", "-no-shell-escape", "theorems.tex"]
+    command = [pdflatex(), "-interaction=nonstopmode", "-halt-on-error", "-no-shell-escape", "theorems.tex"]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout[-2000:]
 

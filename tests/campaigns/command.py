@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
@@ -24,3 +26,16 @@ def run(*arguments: str, before: str = "pass") -> tuple[int, str, str]:
     process = start(*arguments, before=before)
     out, error = process.communicate(timeout=120)
     return process.returncode, out.decode(), error.decode()
+
+
+@contextmanager
+def interruptible(*arguments: str) -> Iterator[subprocess.Popen[bytes]]:
+    """`gks ARGUMENTS`, started, as at a terminal: a shell that runs the tests in the background has them, and what they
+    start, ignore Ctrl-C. Gone when the block is left, so that a failure is not waited for.
+    """
+    heeds = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"
+    with start(*arguments, before=heeds) as process:
+        try:
+            yield process
+        finally:
+            process.kill()

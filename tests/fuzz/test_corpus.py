@@ -46,11 +46,23 @@ def test_a_case_is_kept_as_it_is(random: Random) -> None:
 
 
 @pytest.mark.parametrize(
-    "arguments", [("fuzz", FILE), ("curve", FILE, "-o", "/tmp/x.csv"), ("curve", FILE, "-ox.csv"), ()]
+    "arguments",
+    [
+        ("fuzz", FILE),
+        ("curve", FILE, "-o", "HERE/x.csv"),
+        ("curve", FILE, "-o", "../x.csv"),
+        ("curve", FILE, "-ox.csv"),
+        (),
+    ],
 )
-def test_no_command_line_is_made_up_that_could_do_harm(arguments: tuple[str, ...]) -> None:
-    assert not Case(arguments, b"").stored
-    assert parsed(Case(arguments, b"x").data()).arguments == ("modes", FILE, "--json")
+def test_no_command_line_is_made_up_that_could_do_harm(arguments: tuple[str, ...], tmp_path: Path) -> None:
+    made_up = Case(tuple(text.replace("HERE", str(tmp_path)) for text in arguments), b"x")
+    assert not made_up.stored
+    assert parsed(made_up.data()).arguments == ("modes", FILE, "--json")
+
+
+def test_what_may_be_written_to_lies_in_the_sandbox() -> None:
+    assert Case(("curve", FILE, "-o", "out.csv"), b"x").stored
     assert not any(Path(name).is_absolute() or ".." in name for name in OUTPUTS)
 
 

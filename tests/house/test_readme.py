@@ -1,8 +1,8 @@
 """README says what is so: its two commands, its scheme files, its list of commands."""
 
 import argparse
-import ast
 import re
+import runpy
 import subprocess
 import tomllib
 from pathlib import Path
@@ -63,9 +63,13 @@ def test_the_second_needs_only_a_title_and_a_cfl_number() -> None:
     assert len(parse_scheme(head + blocks("toml")[1], "README.md").boundary_unknowns) == 1
 
 
-@pytest.mark.parametrize("program", blocks("python"))
-def test_the_python_is_python(program: str) -> None:
-    ast.parse(program)
+def test_the_python_runs_and_prints_a_verdict(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (program,) = blocks("python")
+    (tmp_path / "program.py").write_text(program)
+    names = runpy.run_path(str(tmp_path / "program.py"))
+    assert "unstable: a normal mode grows" in capsys.readouterr().out
+    assert names["theorem"].proved
+    assert names["theorem"].bound([1e-10, 3, 1e10]) == pytest.approx([1, 1, 4 / (1 + 1e10)], rel=1e-15)
 
 
 def test_the_table_of_commands_is_the_commands() -> None:

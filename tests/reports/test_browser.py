@@ -3,8 +3,6 @@
 Where there is no browser the tests are skipped, but not where GKS_BROWSER=1 or CI says that there has to be one.
 """
 
-import os
-import shutil
 import subprocess
 from collections.abc import Iterator
 from pathlib import Path
@@ -13,8 +11,7 @@ from typing import Any
 import pytest
 
 from tests.reports.browser import PROGRAMS, Browser, browsing, program
-
-WANTED = os.environ.get("GKS_BROWSER") == "1" or bool(os.environ.get("CI"))
+from tests.wanted import NEEDS_LATEX, WANTED, pdflatex
 
 pytestmark = pytest.mark.skipif(
     program() is None and not WANTED, reason=f"none of {', '.join(PROGRAMS)} here; apt-get install chromium"
@@ -152,13 +149,9 @@ def test_it_prints_in_black_on_white(browser: Browser, folder: Path, tmp_path: P
     assert (tmp_path / "page.pdf").stat().st_size > 20_000
 
 
-NO_LATEX = shutil.which("pdflatex") is None and not WANTED
-
-
-@pytest.mark.skipif(NO_LATEX, reason="no pdflatex here; apt-get install texlive-latex-base")
+@NEEDS_LATEX
 def test_pdflatex_sets_the_latex(folder: Path) -> None:
-    assert shutil.which("pdflatex") is not None, "GKS_BROWSER or CI asks for pdflatex, and there is none"
-    command = ["pdflatex", "-interaction=nonstopmode", "-halt-on-error", "example.tex"]
+    command = [pdflatex(), "-interaction=nonstopmode", "-halt-on-error", "example.tex"]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, errors="replace")
     assert done.returncode == 0, done.stdout[-2000:]
     assert (folder / "example.pdf").stat().st_size > 50_000

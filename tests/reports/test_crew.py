@@ -3,7 +3,6 @@
 import os
 import signal
 import subprocess
-import sys
 import time
 from pathlib import Path
 from typing import Any
@@ -12,6 +11,7 @@ import pytest
 
 from gks.reports.crew import run
 from gks.reports.steps import Step
+from tests.campaigns.command import interruptible
 from tests.reports.example import TEXT, Silent
 
 SOURCE = (TEXT, "example", None)
@@ -82,15 +82,14 @@ def cmdline(pid: int) -> bytes:
 def test_ctrl_c_ends_the_command_with_130_and_leaves_no_half_written_page(tmp_path: Path) -> None:
     scheme, out = tmp_path / "slow.toml", tmp_path / "out"
     scheme.write_text(TEXT, encoding="utf-8")
-    command = [sys.executable, "-m", "gks", "report", str(scheme), "-o", str(out)]
-    with subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as process:
+    with interruptible("report", str(scheme), "-o", str(out)) as process:
         assert process.stderr is not None
-        assert any("slow: " in line for line in process.stderr)  # one step is done, others run
+        assert any(b"slow: " in line for line in process.stderr)  # one step is done, others run
         process.send_signal(signal.SIGINT)
         output, complaint = process.communicate(timeout=60)
     assert process.returncode == 130
-    assert output == ""
-    assert "gks: interrupted" in complaint
-    assert "Traceback" not in complaint
+    assert output == b""
+    assert b"gks: interrupted" in complaint
+    assert b"Traceback" not in complaint
     assert [path.name for path in out.iterdir() if path.suffix in (".html", ".json", ".csv")] == []
     assert not [path for path in out.rglob("*") if path.name.startswith(".gks-") and path.is_file()]
