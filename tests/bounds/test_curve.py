@@ -219,8 +219,8 @@ class TestForms:
         scheme = interface(WEIGHTED, "backward-euler", parameters='a="1/2"\nb="1/2"\nc=0\nd="1/2"\ne="1/2"\nf=0')
         found = curve(scheme, scheme.values({}), parse_sweep("alpha=1:1:1"))
         (point,) = found.points
-        if point.lam_max == "oo":
-            assert (point.limited_by, found.to_csv().splitlines()[1].split(",")[1]) == (None, "inf")
+        assert (point.lam_max, point.limited_by) == ("oo", None)
+        assert found.to_csv().splitlines()[1].split(",")[1] == "inf"
 
     def test_one_point_without_a_sweep(self) -> None:
         scheme = catalogue.find("traditional-1")

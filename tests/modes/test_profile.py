@@ -9,6 +9,7 @@ from __future__ import annotations
 import csv
 import io
 import json
+import re
 from collections.abc import Mapping
 from fractions import Fraction
 from math import log
@@ -119,17 +120,24 @@ def test_profile_solves_the_scheme(case: str) -> None:
             assert residual(each, shape) < ROUNDING
 
 
+def louder(scheme: Scheme) -> Scheme:
+    """With three times the closure's right sides: few constructs have a mode as they are."""
+    head, equations = scheme.text.split("equations = ")
+    tripled = re.sub(r'"([^"=]+) = ([^"]+)"', r'"\1 = 3*(\2)"', equations)
+    return parse_scheme(f"{head}equations = {tripled}", scheme.name)
+
+
 @pytest.mark.parametrize("name", sorted(constructs()))
 def test_every_construct_of_the_format(name: str) -> None:
-    scheme = constructs()[name]
-    if name in ("mixed integrators", "lines beside a discrete scheme"):
-        scheme = constructs()["mirrored"]
-    for lam in ("1/2", "9/5"):
-        result = analyse(scheme, scheme.values({"lam": lam}))
-        for k, mode in enumerate(result.modes):
-            if mode.kind is ModeKind.INADMISSIBLE or not mode.modulus:
-                continue
-            assert residual(profile(result, k, 12)) < ROUNDING, (lam, mode.z_complex)
+    seen = 0
+    for scheme in (constructs()[name], louder(constructs()[name])):
+        for lam in ("1/2", "9/5"):
+            result = analyse(scheme, scheme.values({"lam": lam}))
+            for k, mode in enumerate(result.modes):
+                if mode.kind is not ModeKind.INADMISSIBLE and mode.modulus:
+                    assert residual(profile(result, k, 12)) < ROUNDING, (lam, mode.z_complex)
+                    seen += 1
+    assert seen
 
 
 def test_the_largest_value_is_one_and_the_others_are_smaller() -> None:
