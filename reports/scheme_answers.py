@@ -20,7 +20,6 @@ from gks.reports.document import (
     Panel,
     Paragraph,
     Result,
-    Section,
     Strong,
     Table,
     Text,
@@ -28,22 +27,18 @@ from gks.reports.document import (
 )
 from gks.reports.formulas import Node, NotAFormula, cases, formula, laid_out, name, operator, relation, row, words
 from gks.reports.scheme_plan import sweep_of, swept
+from gks.reports.scheme_topics import Answers
 from gks.reports.store import digest
 from gks.scheme.model import Scheme
 
 
-def curve_section(scheme: Scheme, stem: str, results: Mapping[str, Result]) -> Section | None:
+def curve_blocks(answers: Answers, result: Result) -> list[Block]:
     """The stable-CFL curve over the scheme's parameter, or the stable set where it has none."""
-    result = results.get("curve")
-    if result is None:
-        return None
-    title = "Largest stable CFL number"
-    if result.refused is not None:
-        return Section("curve", title, (Paragraph((f"No curve: {result.refused}.",)),))
+    scheme = answers.scheme
     points, parameter = result.get("points"), swept(scheme)
     resolved = sum(point["status"] == "resolved" for point in points)
-    theorem = results.get("theorem")
-    proved = theorem is not None and theorem.refused is None and theorem.get("status") == "proved"
+    theorem = answers.given("theorem")
+    proved = theorem is not None and theorem.get("status") == "proved"
     status = "proved for the whole range below" if proved else f"{resolved} of {len(points)} points resolved"
     sweep = sweep_of(scheme)
     seen = _curve_words(points, parameter.name if parameter else None)
@@ -56,26 +51,20 @@ def curve_section(scheme: Scheme, stem: str, results: Mapping[str, Result]) -> S
     }
     data = dict(result.record["result"])
     figure = Figure(
-        f"{stem}-curve",
+        f"{answers.stem}-curve",
         (f"The stable CFL numbers (shaded) and the largest, below which all are stable ({status}).",),
         seen,
         (Panel(partial(figures.draw_bound, scheme, data, sweep), aspect=0.68 if parameter else 0.4),),
         {"": Data(columns)},
     )
-    return Section("curve", title, (figure, _curve_table(scheme, result)))
+    return [figure, _curve_table(scheme, result)]
 
 
-def map_section(scheme: Scheme, stem: str, results: Mapping[str, Result]) -> Section | None:
+def map_blocks(answers: Answers, result: Result) -> list[Block]:
     """The largest modulus of an admissible mode over the parameter and lam, with the bound on it."""
-    result = results.get("radius")
-    if result is None:
-        return None
-    title = "Spectral radius of the modes"
-    if result.refused is not None:
-        return Section("map", title, (Paragraph((f"No map: {result.refused}.",)),))
     data = result.record["result"]
-    curve = results.get("curve")
-    bound = curve.record["result"] if curve is not None and curve.refused is None else None
+    curve = answers.given("curve")
+    bound = None if curve is None else curve.record["result"]
     sweep = data["sweep"].partition("=")[0] if data["sweep"] else None
     cells = [
         (value, lam, data["radius"][i][k] if data["known"][i][k] and data["interior"][i][k] else None)
@@ -84,7 +73,7 @@ def map_section(scheme: Scheme, stem: str, results: Mapping[str, Result]) -> Sec
     ]
     known = [radius for _, _, radius in cells if radius is not None]
     if not any(known):  # no mode is admissible anywhere
-        return None
+        return []
     growing = sum(radius > 1 for radius in known)
     seen = f"{len(known)} of {len(cells)} points have a modulus; {growing} of them exceed 1, the largest is "
     seen += f"{shown(max(known), 4)}." if known else "unknown."
@@ -94,13 +83,13 @@ def map_section(scheme: Scheme, stem: str, results: Mapping[str, Result]) -> Sec
     columns = {**({sweep: [v for v, _, _ in cells]} if sweep else {}), "lam": [lam for _, lam, _ in cells]}
     columns["radius"] = [radius for _, _, radius in cells]
     figure = Figure(
-        f"{stem}-map",
+        f"{answers.stem}-map",
         (caption,),
         seen,
-        (Panel(partial(figures.draw_radius, scheme, data, bound), aspect=0.8 if sweep else 0.6),),
+        (Panel(partial(figures.draw_radius, answers.scheme, data, bound), aspect=0.8 if sweep else 0.6),),
         {"": Data(columns)},
     )
-    return Section("map", title, (figure,))
+    return [figure]
 
 
 def _curve_words(points: list[Mapping[str, Any]], parameter: str | None) -> str:
@@ -148,20 +137,15 @@ def detached(record: Mapping[str, Any], file: str, attachments: dict[str, str]) 
     return {**record, "result": {**result, "certificate": {"file": file, "sha256": digest(certificate)}}}
 
 
-def theorem_section(scheme: Scheme, stem: str, results: Mapping[str, Result]) -> Section | None:
+def theorem_blocks(answers: Answers, result: Result) -> list[Block]:
     """The theorem, piece by piece, with the name of its certificate."""
-    result = results.get("theorem")
-    if result is None:
-        return None
-    title = "Theorem"
-    if result.refused is not None:
-        return Section("theorem", title, (Paragraph((f"Not proved: {result.refused}.",)),))
     if result.get("status") != "proved":
-        return Section("theorem", title, (Paragraph((f"{result.get('statement')}",)),))
+        return [Paragraph((f"{result.get('statement')}",))]
     parameter = result.get("parameter")
     rows, tails = stated(result.get("statement"))
     accepted = result.get("checked", "accepted")
-    blocks: list[Block] = [
+    certificate = certificate_file(answers.stem)
+    return [
         Paragraph((Strong("Stable exactly for"),)),
         Formula(cases(rows), "The stable region"),
         *map(Paragraph, tails),
@@ -170,16 +154,20 @@ def theorem_section(scheme: Scheme, stem: str, results: Mapping[str, Result]) ->
             (
                 Strong("Proved", "good"),
                 "; the certificate ",
-                Link(f"{stem}-certificate.json", f"{stem}-certificate.json"),
+                Link(certificate, certificate),
                 " was ",
                 Strong("accepted", "good") if accepted else Strong("rejected", "bad"),
                 " by code that the prover does not share (",
-                Code(f"gks check {stem}-certificate.json"),
+                Code(f"gks check {certificate}"),
                 ").",
             )
         ),
     ]
-    return Section("theorem", title, tuple(blocks))
+
+
+def certificate_file(stem: str) -> str:
+    """The name of the file with a theorem's certificate."""
+    return f"{stem}-certificate.json"
 
 
 def stated(statement: str) -> tuple[list[tuple[Node, Node]], list[Text]]:
@@ -242,14 +230,8 @@ def _end(result: Result, k: int, which: str) -> Text:
     return (value,) if text.replace("-", "−") == value.text or text in ("oo", "-oo") else (exact, " ≈ ", value)
 
 
-def march_section(stem: str, results: Mapping[str, Result]) -> Section | None:
+def march_blocks(answers: Answers, result: Result) -> list[Block]:
     """Predicted against observed growth, with the history of a march."""
-    result = results.get("march")
-    if result is None:
-        return None
-    title = "Predicted against observed growth"
-    if result.refused is not None:
-        return Section("march", title, (Paragraph((f"No march: {result.refused}.",)),))
     data = result.record["result"]
     agrees = Strong("agrees", "good") if data["agrees"] else Strong("disagrees", "bad")
     rows: list[tuple[Text, Text]] = [
@@ -263,7 +245,7 @@ def march_section(stem: str, results: Mapping[str, Result]) -> Section | None:
     seen = f"The size after up to {data['steps']} steps; growth a step observed {shown(data['observed'])}"
     seen += f", predicted {shown(data['predicted'])}." if data["predicted"] is not None else ", no mode predicted."
     figure = Figure(
-        f"{stem}-march",
+        f"{answers.stem}-march",
         (f"Marched ({data['method']}): the size next to the boundary after every step.",),
         seen,
         (Panel(partial(figures.draw_history, data), aspect=0.6),),
@@ -272,19 +254,13 @@ def march_section(stem: str, results: Mapping[str, Result]) -> Section | None:
             for k, each in enumerate(data["histories"])
         },
     )
-    return Section("march", title, (figure, Table((), (("",), ("",)), tuple(rows))))
+    return [figure, Table((), (("",), ("",)), tuple(rows))]
 
 
-def audit_section(results: Mapping[str, Result]) -> Section | None:
+def audit_blocks(_: Answers, result: Result) -> list[Block]:
     """What publications state of the scheme, against what was derived."""
-    result = results.get("audit")
-    if result is None:
-        return None
-    title = "Claims, held against what is derived"
-    if result.refused is not None:
-        return Section("audit", title, (Paragraph((f"No audit: {result.refused}.",)),))
     columns: tuple[Text, ...] = (("",), ("source",), ("claimed",), ("derived",))
-    return Section("audit", title, (Table((), columns, tuple(claim_rows(result))),))
+    return [Table((), columns, tuple(claim_rows(result)))]
 
 
 def claim_rows(result: Result) -> list[tuple[Text, ...]]:

@@ -29,14 +29,16 @@ from gks.reports.document import (
 from gks.reports.formulas import NotAFormula, formula, laid_out, name, relation
 from gks.reports.provenance import provenance
 from gks.reports.scheme_answers import (
-    audit_section,
-    curve_section,
+    audit_blocks,
+    certificate_file,
+    curve_blocks,
     detached,
-    map_section,
-    march_section,
-    theorem_section,
+    map_blocks,
+    march_blocks,
+    theorem_blocks,
 )
 from gks.reports.scheme_maths import scheme_section
+from gks.reports.scheme_topics import Answers, Topic
 from gks.scheme.model import Scheme
 
 TONES = {"stable": "good", "neutral": "open", "generalized": "open", "unstable": "bad", "undecided": "open"}
@@ -45,60 +47,48 @@ TONES = {"stable": "good", "neutral": "open", "generalized": "open", "unstable":
 def build(scheme: Scheme, stem: str, records: Mapping[str, Mapping[str, Any]]) -> Report:
     """The report of a scheme from the records of its steps; `stem` begins the names of its files."""
     attachments: dict[str, str] = {}
-    certificate = f"{stem}-certificate.json"
-    records = {key: detached(record, certificate, attachments) for key, record in records.items()}
-    results = {key: Result(key, record) for key, record in records.items()}
-    sections = [
-        scheme_section(scheme),
-        _grid(scheme, stem),
-        _derivation(scheme, results),
-        _modes(scheme, stem, results),
-        curve_section(scheme, stem, results),
-        map_section(scheme, stem, results),
-        theorem_section(scheme, stem, results),
-        march_section(stem, results),
-        audit_section(results),
-        provenance(records),
-    ]
+    records = {key: detached(record, certificate_file(stem), attachments) for key, record in records.items()}
+    answers = Answers(scheme, stem, {key: Result(key, record) for key, record in records.items()})
+    sections = [topic.section(answers) for topic in TOPICS]
     return Report(
         stem,
         scheme.title,
-        _summary(scheme, results),
-        tuple(section for section in _joined(sections) if section is not None),
+        _summary(answers),
+        (_scheme(answers), *(section for section in sections if section is not None), provenance(records)),
         records,
         {scheme.name: scheme.text},
         attachments,
     )
 
 
-def _joined(sections: list[Section | None]) -> list[Section | None]:
-    """The picture of the grid belongs to the scheme's own section."""
-    scheme, grid, *others = sections
-    assert scheme is not None and grid is not None
-    return [Section(scheme.anchor, scheme.title, (*grid.blocks, *scheme.blocks)), *others]
+def _scheme(answers: Answers) -> Section:
+    """What was read, behind the picture of the grid."""
+    read = scheme_section(answers.scheme)
+    return Section(read.anchor, read.title, (_grid(answers.scheme, answers.stem), *read.blocks))
 
 
 # At the top -----------------------------------------------------------------------------------------------------------
 
 
-def _summary(scheme: Scheme, results: Mapping[str, Result]) -> tuple[Block, ...]:
+def _summary(answers: Answers) -> tuple[Block, ...]:
+    scheme = answers.scheme
     rows: list[tuple[Text, Text]] = []
-    modes, theorem, march, audit = (results.get(key) for key in ("modes", "theorem", "march", "audit"))
-    if modes is not None and modes.refused is None:
+    modes, theorem, march, audit = (answers.given(step) for step in ("modes", "theorem", "march", "audit"))
+    if modes is not None:
         verdict = modes.get("verdict")
         rows.append((("at ", *_values(modes)), (Strong(verdict, TONES[verdict]), ": ", modes.quote("because"))))
-    if theorem is not None and theorem.refused is None:
+    if theorem is not None:
         proved = theorem.get("status") == "proved"
         what: Text = (Strong("proved", "good"), "; see ", Link("the theorem", "#theorem"))
         rows.append((("stable region",), what if proved else (Strong("not proved", "open"),)))
-    if march is not None and march.refused is None:
+    if march is not None:
         agrees = march.get("agrees")
         word = Strong("agrees", "good") if agrees else Strong("disagrees", "bad")
         what = (word,)
         if march.get("predicted") is not None:
             what = (word, ": observed ", march.number("observed"), ", predicted ", march.number("predicted"))
         rows.append((("a march",), what))
-    if audit is not None and audit.refused is None:
+    if audit is not None:
         rows.append((("claims",), _tally(audit)))
     blocks: list[Block] = [Paragraph((scheme.source,))] if scheme.source else []
     return (*blocks, Table((), (("",), ("",)), tuple(rows)))
@@ -123,7 +113,7 @@ def _tally(audit: Result) -> Text:
 # Sections -------------------------------------------------------------------------------------------------------------
 
 
-def _grid(scheme: Scheme, stem: str) -> Section:
+def _grid(scheme: Scheme, stem: str) -> Figure:
     data = Data(
         {
             "domain": [v.domain for v in scheme.boundary_unknowns],
@@ -133,32 +123,26 @@ def _grid(scheme: Scheme, stem: str) -> Section:
     )
     lines = len(scheme.domains)
     places = ", ".join(str(v) for v in scheme.boundary_unknowns[:12])
-    figure = Figure(
+    return Figure(
         f"{stem}-grid",
         ("The grid next to the boundary: cells, and the values that the closure gives.",),
         f"{'Two half-lines that meet' if lines == 2 else 'One half-line'}. Values from the closure: {places}.",
         (Panel(partial(figures.draw_grid, scheme), aspect=0.22 + 0.16 * lines),),
         {"": data},
     )
-    return Section("grid", "", (figure,))
 
 
-def _derivation(scheme: Scheme, results: Mapping[str, Result]) -> Section | None:
-    derived = results.get("derive")
-    if derived is None:
-        return None
-    title = "Characteristic polynomial and root map"
-    if derived.refused is not None:
-        return Section("polynomial", title, (Paragraph((f"Not derived: {derived.refused}.",)),))
-    blocks: list[Block] = []
+def _derivation(_: Answers, derived: Result) -> list[Block]:
     text, factors = derived.get("characteristic_polynomial"), derived.get("factors")
     if not factors:
         constant = derived.quote("characteristic_polynomial")
         told: Text = ("There is no normal mode: the characteristic polynomial is the constant ", constant, ".")
-        return Section("polynomial", title, (Paragraph(told),))
-    blocks.append(Paragraph(("A normal mode exists where",)))
+        return [Paragraph(told)]
     where = "/results/derive/result/characteristic_polynomial"
-    blocks.append(_shown_formula(f"{text} = 0", "The characteristic polynomial", where))
+    blocks: list[Block] = [
+        Paragraph(("A normal mode exists where",)),
+        _shown_formula(f"{text} = 0", "The characteristic polynomial", where),
+    ]
     if len(factors) > 1 or any("**" in factor and factor.startswith("(") for factor in factors):
         product = "*".join(f if f.startswith("(") and f.count("(") == 1 else f"({f})" for f in factors)
         blocks.append(Paragraph(("factored,",)))
@@ -166,7 +150,7 @@ def _derivation(scheme: Scheme, results: Mapping[str, Result]) -> Section | None
     if derived.get("root_map") != "z = z":
         blocks.append(Paragraph(("and its roots become growth factors a step by",)))
         blocks.append(_shown_formula(derived.get("root_map"), "The root map"))
-    return Section("polynomial", title, tuple(blocks))
+    return blocks
 
 
 def _shown_formula(text: str, label: str, place: str = "") -> Block:
@@ -176,22 +160,14 @@ def _shown_formula(text: str, label: str, place: str = "") -> Block:
         return Paragraph((Code(text if len(text) < 4000 else text[:3990] + " …"),))
 
 
-def _modes(scheme: Scheme, stem: str, results: Mapping[str, Result]) -> Section | None:
-    result = results.get("modes")
-    if result is None:
-        return None
-    title = "Normal modes"
-    if result.refused is not None:
-        return Section("modes", title, (Paragraph((f"Not analysed: {result.refused}.",)),))
+def _modes(answers: Answers, result: Result) -> list[Block]:
     verdict, modes = result.get("verdict"), result.get("modes")
     head: Text = ("At ", *_values(result), ": ", Strong(verdict, TONES[verdict]), ", ", result.quote("because"), " ",
                   f"(tier: {result.get('tier')}{', certified' if result.get('certified') else ''}).")  # fmt: skip
     blocks: list[Block] = [Paragraph(head)]
     if modes:
-        blocks += [_modes_figure(stem, modes), _modes_table(result)]
-    blocks += _profile(scheme, stem, results.get("profile"))
-    blocks += _paths(scheme, stem, results.get("roots"))
-    return Section("modes", title, tuple(blocks))
+        blocks += [_modes_figure(answers.stem, modes), _modes_table(result)]
+    return [*blocks, *_profile(answers), *_paths(answers)]
 
 
 def _modes_figure(stem: str, modes: list[Mapping[str, Any]]) -> Figure:
@@ -214,9 +190,10 @@ def _modes_figure(stem: str, modes: list[Mapping[str, Any]]) -> Figure:
     return Figure(f"{stem}-modes", (caption,), seen, (draw,), {"": Data(columns)})
 
 
-def _profile(scheme: Scheme, stem: str, result: Result | None) -> list[Block]:
+def _profile(answers: Answers) -> list[Block]:
     """What the worst mode looks like in space."""
-    if result is None or result.refused is not None or result.get("index") is None:
+    result, scheme = answers.given("profile"), answers.scheme
+    if result is None or result.get("index") is None:
         return []
     data = result.record["result"]
     mode, values = data["mode"], data["shapes"][0]["values"]
@@ -233,7 +210,7 @@ def _profile(scheme: Scheme, stem: str, result: Result | None) -> list[Block]:
     present = [c for c in data["components"] if c["present"]]
     factors = ", ".join(f"{shown(c['modulus'], 4)} in {c['domain']}" for c in present[:6])
     figure = Figure(
-        f"{stem}-profile",
+        f"{answers.stem}-profile",
         (
             f"The {mode['kind']} mode of largest modulus, |z| = ",
             result.number("mode", "modulus", digits=7),
@@ -246,9 +223,10 @@ def _profile(scheme: Scheme, stem: str, result: Result | None) -> list[Block]:
     return [figure]
 
 
-def _paths(scheme: Scheme, stem: str, result: Result | None) -> list[Block]:
+def _paths(answers: Answers) -> list[Block]:
     """Where the roots move as the parameter runs."""
-    if result is None or result.refused is not None or not result.get("tracks"):
+    result, scheme = answers.given("roots"), answers.scheme
+    if result is None or not result.get("tracks"):
         return []
     data, sweep = result.record["result"], result.record["arguments"]["sweep"]
     rows = [
@@ -264,7 +242,7 @@ def _paths(scheme: Scheme, stem: str, result: Result | None) -> list[Block]:
     first, last = shown(data["values"][0], 3), shown(data["values"][-1], 3)
     growing = sum("growing" in track["kind"] for track in data["tracks"])
     figure = Figure(
-        f"{stem}-roots",
+        f"{answers.stem}-roots",
         ("The paths of the roots as ", Maths(name(data["sweep"])), f" runs from {first} to {last}, with arrows."),
         f"{len(data['tracks'])} paths, of which {growing} leave the unit circle as growing modes.",
         tuple(Panel(partial(figures.draw_rootmap, scheme, data, sweep, plane), aspect=0.95) for plane in planes),
@@ -292,3 +270,15 @@ def _modes_table(result: Result) -> Table:
         rows.append(row_)
     columns: tuple[Text, ...] = ((Maths(name("z")),), ("|z|",), ("multiplicity",), ("kind",))
     return Table(("The roots, each as a double.",), columns, tuple(rows), frozenset({0, 1, 2}))
+
+
+TOPICS = (
+    Topic("derive", "polynomial", "Characteristic polynomial and root map", "Not derived", _derivation),
+    Topic("modes", "modes", "Normal modes", "Not analysed", _modes),
+    Topic("curve", "curve", "Largest stable CFL number", "No curve", curve_blocks),
+    Topic("radius", "map", "Spectral radius of the modes", "No map", map_blocks),
+    Topic("theorem", "theorem", "Theorem", "Not proved", theorem_blocks),
+    Topic("march", "march", "Predicted against observed growth", "No march", march_blocks),
+    Topic("audit", "audit", "Claims, held against what is derived", "No audit", audit_blocks),
+)
+"""The sections between what was read and what was run, in their order."""
