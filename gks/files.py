@@ -48,6 +48,12 @@ def write_text(path: str, text: str) -> None:
         file.write(text)
 
 
+def write_bytes(path: str, content: bytes) -> None:
+    """Write `content` to `path`, whole or not at all."""
+    with whole_file(path) as draft, open(draft, "wb") as file:
+        file.write(content)
+
+
 def write_new(path: str, text: str) -> None:
     """Write `text` to a file that must not exist yet (FileExistsError); no half-written file is left behind."""
     with open(path, "x", encoding="utf-8", newline="\n") as file:  # "x": of two runs at once one is refused

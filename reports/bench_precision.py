@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 from itertools import groupby
 from typing import TYPE_CHECKING
 
-from gks.files import whole_file
+from gks.files import write_bytes
 from gks.reports.canvas import format_of, image, styled
 from gks.reports.tables import Table
 from gks.solvers.work_precision import Row, machine, marching_speed, work_precision
@@ -65,9 +65,7 @@ def save(table: Table, path: str) -> None:
         solver, analyser = figure.subplots(1, 2)
         draw(table, "solver", solver)
         draw(table, "analyser", analyser)
-        content = image(figure, kind, table.title)
-    with whole_file(path) as draft, open(draft, "wb") as file:
-        file.write(content)
+        write_bytes(path, image(figure, kind, table.title))
 
 
 MARKS = "osD^vP"

@@ -11,7 +11,7 @@ from itertools import groupby, pairwise
 from math import inf, isfinite, isnan, log10, nan
 from typing import TYPE_CHECKING, Any
 
-from gks.files import whole_file
+from gks.files import write_bytes
 from gks.modes.printing import latex_name
 from gks.reports.canvas import DOUBLE_DECADES, format_of, image, label_of, mark_decades, new_figure, plain, styled
 
@@ -74,9 +74,7 @@ class _Run:
 
 def save_curve(curve: Curve, path: str) -> None:
     """Draw the curve into a .png, .svg or .pdf file, written whole or not at all; ValueError for another ending."""
-    content = curve_image(curve, format_of(path))
-    with whole_file(path) as draft, open(draft, "wb") as file:
-        file.write(content)
+    write_bytes(path, curve_image(curve, format_of(path)))
 
 
 def curve_svg(curve: Curve) -> str:
@@ -241,9 +239,7 @@ def save_comparison(curves: Mapping[str, Curve], path: str, title: str) -> None:
         figure, axes = new_figure()
         draw_comparison(curves, axes)
         axes.set_title(plain(title))
-        content = image(figure, kind, title)
-    with whole_file(path) as draft, open(draft, "wb") as file:
-        file.write(content)
+        write_bytes(path, image(figure, kind, title))
 
 
 def draw_comparison(curves: Mapping[str, Curve], axes: Axes) -> None:

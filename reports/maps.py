@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from gks.bounds.curve import Curve
 from gks.bounds.curvemap import CurveMap
 from gks.bounds.radius import RadiusMap
-from gks.files import whole_file
+from gks.files import write_bytes
 from gks.modes.printing import latex_name
 from gks.reports.canvas import format_of, image, label_of, new_figure, plain, styled
 
@@ -45,9 +45,7 @@ Result = Curve | CurveMap | RadiusMap
 
 def save(result: Result, path: str) -> None:
     """Draw a curve or a map into a .png, .svg or .pdf file, written whole or not at all; ValueError otherwise."""
-    content = picture(result, format_of(path))
-    with whole_file(path) as draft, open(draft, "wb") as file:
-        file.write(content)
+    write_bytes(path, picture(result, format_of(path)))
 
 
 def picture(result: Result, kind: str) -> bytes:

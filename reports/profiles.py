@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import nan
 from typing import TYPE_CHECKING, Any
 
-from gks.files import whole_file
+from gks.files import write_bytes
 from gks.modes.numerals import text_complex, text_real
 from gks.reports.canvas import format_of, image, plain, styled
 
@@ -37,9 +37,7 @@ HEIGHT = 1.3
 
 def save_profile(profile: Profile, path: str, shape: int = 0) -> None:
     """Draw a mode into a .png, .svg or .pdf file, written whole or not at all; ValueError for another ending."""
-    content = profile_image(profile, format_of(path), shape)
-    with whole_file(path) as draft, open(draft, "wb") as file:
-        file.write(content)
+    write_bytes(path, profile_image(profile, format_of(path), shape))
 
 
 def profile_image(profile: Profile, kind: str, shape: int = 0) -> bytes:

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 from gks.errors import InputError, quoted
-from gks.files import whole_file, write_text
+from gks.files import write_bytes, write_text
 from gks.reports.crew import Record, Watcher, run
 from gks.reports.document import Panel, Report
 from gks.reports.steps import Step
@@ -123,9 +123,7 @@ def _renderer(kind: str, report: Report, folder: str) -> Callable[[Report], str]
     for figure in report.figures():
         for name, panel in zip(figure.files(), figure.panels, strict=True):
             path = os.path.join(folder, f"{name}.{'svg' if kind == 'md' else 'pdf'}")
-            content = picture(panel, panel.title or figure.name)
-            with whole_file(path) as draft, open(draft, "wb") as file:
-                file.write(content)
+            write_bytes(path, picture(panel, panel.title or figure.name))
     if kind == "md":
         from gks.reports.markdown import markdown
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import groupby, pairwise
 from typing import TYPE_CHECKING, Any
 
-from gks.files import whole_file
+from gks.files import write_bytes
 from gks.modes.printing import latex_name
 from gks.modes.verdict import ModeKind
 from gks.reports.canvas import format_of, image, plain, styled
@@ -50,9 +50,7 @@ WIDE, HIGH = 1.5, 1.15
 
 def save_rootmap(found: RootMap, path: str) -> None:
     """Draw the paths into a .png, .svg or .pdf file, written whole or not at all; ValueError for another ending."""
-    content = rootmap_image(found, format_of(path))
-    with whole_file(path) as draft, open(draft, "wb") as file:
-        file.write(content)
+    write_bytes(path, rootmap_image(found, format_of(path)))
 
 
 def rootmap_image(found: RootMap, kind: str) -> bytes:
