@@ -226,6 +226,11 @@ class Result:
         return "/".join(["", "results", self.name, "result", *keys])
 
 
+def counted(count: int, noun: str) -> str:
+    """So many of them: "1 root", "2 roots"."""
+    return f"{count} {noun}{'s' * (count != 1)}"
+
+
 def signed(number: Number) -> Number:
     """The number as what is added to another: with its sign and a space before it."""
     text = number.text

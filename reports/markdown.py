@@ -24,7 +24,7 @@ from gks.reports.latex import latex
 
 def markdown(report: Report) -> str:
     """The whole report; pictures are NAME.svg beside it."""
-    parts = [f"# {_escaped(report.title)}", *map(_block, report.summary)]
+    parts = [f"# {_escaped(' '.join(report.title.split()))}", *map(_block, report.summary)]
     for section in report.sections:
         parts += [f"## {_escaped(section.title)}", *map(_block, section.blocks)]
     return "\n\n".join(part for part in parts if part) + "\n"

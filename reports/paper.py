@@ -14,7 +14,7 @@ from gks.reports.paper_numbers import differences_section, numbers_section, work
 from gks.reports.printed import OTHERS, THEOREMS, TITLE, UNEQUAL
 from gks.reports.provenance import provenance
 from gks.reports.report import computed, ready, write
-from gks.reports.scheme_answers import detached
+from gks.reports.scheme_answers import detached, proved
 from gks.reports.scheme_plan import PROOF_LIMIT, swept
 from gks.reports.steps import LIMIT, Step
 from gks.reports.store import Store
@@ -109,10 +109,8 @@ def build(records: Mapping[str, Mapping[str, Any]]) -> Report:
 
 
 def _summary(results: Mapping[str, Result]) -> tuple[Block, ...]:
-    proved = sum(
-        result.refused is None and result.get("status") == "proved"
-        for result in (results[f"theorem-{theorem.scheme}"] for theorem in THEOREMS)
-    )
+    theorems = [results[f"theorem-{theorem.scheme}"] for theorem in THEOREMS]
+    stand = sum(result.refused is None and proved(result) for result in theorems)
     entries = results["table-1"].get("entries") if results["table-1"].refused is None else []
     agreeing = sum(entry["agrees"] for entry in entries)
     statuses = [
@@ -122,7 +120,7 @@ def _summary(results: Mapping[str, Result]) -> tuple[Block, ...]:
         for claim in result.get("claims")
     ]
     rows: tuple[tuple[Text, ...], ...] = (
-        (("Theorems 3.1 to 3.5",), (Strong(f"{proved} of {len(THEOREMS)} proved", _tone(proved, len(THEOREMS))),
+        (("Theorems 3.1 to 3.5",), (Strong(f"{stand} of {len(THEOREMS)} proved", _tone(stand, len(THEOREMS))),
                                     ", each with a certificate; see ", Link("Section 3", "#analysis"))),
         (("Table 1",), (Strong(f"{agreeing} of {len(entries)} entries as printed", _tone(agreeing, len(entries))),
                         "; see ", Link("Section 2", "#introduction"))),

@@ -26,6 +26,7 @@ from gks.reports.document import (
 )
 from gks.reports.paper_experiments import missing
 from gks.reports.printed import NUMBERS, SLIPS, PrintedNumber
+from gks.reports.scheme_answers import proved
 
 Results = Mapping[str, Result]
 
@@ -77,7 +78,7 @@ def _number_row(printed: PrintedNumber, results: Results) -> tuple[Text, ...]:
     head: tuple[Text, ...] = ((printed.where,), (printed.what,), (printed.digits,))
     name, found = FOUND[printed.key]
     result = results[name]
-    if result.refused is not None or (name.startswith("theorem") and result.get("status") != "proved"):
+    if result.refused is not None or (name.startswith("theorem") and not proved(result)):
         return (*head, ("–",), ("",))
     number = found(results)
     return (*head, (number,), _agreement(float(number.value), printed.digits))

@@ -1,4 +1,4 @@
-"""What was run for a report, with which versions, on which machine, and how long it took."""
+"""What was run for a report, with which versions, and how long it took."""
 
 from __future__ import annotations
 

@@ -23,11 +23,12 @@ from gks.reports.document import (
     Strong,
     Table,
     Text,
+    counted,
     shown,
 )
 from gks.reports.formulas import Node, NotAFormula, cases, formula, laid_out, name, operator, relation, row, words
 from gks.reports.scheme_plan import sweep_of, swept
-from gks.reports.scheme_topics import Answers
+from gks.reports.scheme_topics import Answers, fixed, values_text
 from gks.reports.store import digest
 from gks.scheme.model import Scheme
 
@@ -38,8 +39,8 @@ def curve_blocks(answers: Answers, result: Result) -> list[Block]:
     points, parameter = result.get("points"), swept(scheme)
     resolved = sum(point["status"] == "resolved" for point in points)
     theorem = answers.given("theorem")
-    proved = theorem is not None and theorem.get("status") == "proved"
-    status = "proved for the whole range below" if proved else f"{resolved} of {len(points)} points resolved"
+    stands = theorem is not None and proved(theorem)
+    status = "proved for the whole range below" if stands else f"{resolved} of {counted(len(points), 'point')} resolved"
     sweep = sweep_of(scheme)
     seen = _curve_words(points, parameter.name if parameter else None)
     columns = {
@@ -52,7 +53,11 @@ def curve_blocks(answers: Answers, result: Result) -> list[Block]:
     data = dict(result.record["result"])
     figure = Figure(
         f"{answers.stem}-curve",
-        (f"The stable CFL numbers (shaded) and the largest, below which all are stable ({status}).",),
+        (
+            "The stable CFL numbers (shaded) and the largest, below which all are stable",
+            *fixed(result, scheme.cfl, parameter.name if parameter else ""),
+            f" ({status}).",
+        ),
         seen,
         (Panel(partial(figures.draw_bound, scheme, data, sweep), aspect=0.68 if parameter else 0.4),),
         {"": Data(columns)},
@@ -72,19 +77,20 @@ def map_blocks(answers: Answers, result: Result) -> list[Block]:
         for k, lam in enumerate(data["lams"])
     ]
     known = [radius for _, _, radius in cells if radius is not None]
-    if not any(known):  # no mode is admissible anywhere
+    if not any(known):  # no mode is admissible where the modulus is known
         return []
     growing = sum(radius > 1 for radius in known)
-    seen = f"{len(known)} of {len(cells)} points have a modulus; {growing} of them exceed 1, the largest is "
-    seen += f"{shown(max(known), 4)}." if known else "unknown."
-    caption = "The largest modulus of an admissible mode; 0 where no mode is admissible."
+    seen = f"{len(known)} of {len(cells)} points have a modulus. Above 1: {growing} of them; the largest is "
+    seen += f"{shown(max(known), 4)}."
+    caption = "; 0 where no mode is admissible."
     if sweep:
         caption += " Hatched: the interior scheme is unstable by itself. Dashed: the largest stable CFL number."
+    held = fixed(result, answers.scheme.cfl, sweep or "")
     columns = {**({sweep: [v for v, _, _ in cells]} if sweep else {}), "lam": [lam for _, lam, _ in cells]}
     columns["radius"] = [radius for _, _, radius in cells]
     figure = Figure(
         f"{answers.stem}-map",
-        (caption,),
+        ("The largest modulus of an admissible mode", *held, caption),
         seen,
         (Panel(partial(figures.draw_radius, answers.scheme, data, bound), aspect=0.8 if sweep else 0.6),),
         {"": Data(columns)},
@@ -95,14 +101,14 @@ def map_blocks(answers: Answers, result: Result) -> list[Block]:
 def _curve_words(points: list[Mapping[str, Any]], parameter: str | None) -> str:
     known = [p for p in points if p["status"] == "resolved"]
     if not known:
-        return "No point is resolved."
+        return "Undecided." if parameter is None else "No point is resolved."
     if parameter is None:
         return f"The largest stable CFL number is {shown(known[0]['lam_max'])}."
     first, last = known[0], known[-1]
     return (
         f"From {shown(first['lam_max'])} at {parameter} = {shown(first[parameter], 3)} to {shown(last['lam_max'])} at "
-        f"{parameter} = {shown(last[parameter], 3)}; {sum(p['limited_by'] == 'closure' for p in known)} of "
-        f"{len(points)} points are limited by the closure."
+        f"{parameter} = {shown(last[parameter], 3)}. Limited by the closure: "
+        f"{sum(p['limited_by'] == 'closure' for p in known)} of {len(points)} points."
     )
 
 
@@ -124,7 +130,8 @@ def _curve_table(scheme: Scheme, result: Result) -> Table:
     head: tuple[Text, ...] = ((Maths(name(parameter.name)),),) if parameter else ()
     columns: tuple[Text, ...] = (*head, (lam,), ("limited by",), ("error bound",))
     numeric = frozenset({0, 1, 3}) if parameter else frozenset({0, 2})
-    return Table(("Some of its points.",), columns, tuple(rows), numeric)
+    caption = "Some of its points." if parameter else "In numbers."
+    return Table((caption,), columns, tuple(rows), numeric)
 
 
 def detached(record: Mapping[str, Any], file: str, attachments: dict[str, str]) -> Mapping[str, Any]:
@@ -139,14 +146,14 @@ def detached(record: Mapping[str, Any], file: str, attachments: dict[str, str]) 
 
 def theorem_blocks(answers: Answers, result: Result) -> list[Block]:
     """The theorem, piece by piece, with the name of its certificate."""
-    if result.get("status") != "proved":
-        return [Paragraph((f"{result.get('statement')}",))]
+    if not proved(result):
+        return [Paragraph(unproved(result))]
     parameter = result.get("parameter")
     rows, tails = stated(result.get("statement"))
-    accepted = result.get("checked", "accepted")
     certificate = certificate_file(answers.stem)
+    held = values_text(result.record["arguments"]["values"])
     return [
-        Paragraph((Strong("Stable exactly for"),)),
+        Paragraph(("With ", *held, ": ", Strong("stable exactly for")) if held else (Strong("Stable exactly for"),)),
         Formula(cases(rows), "The stable region"),
         *map(Paragraph, tails),
         _pieces_table(result, parameter),
@@ -156,13 +163,29 @@ def theorem_blocks(answers: Answers, result: Result) -> list[Block]:
                 "; the certificate ",
                 Link(certificate, certificate),
                 " was ",
-                Strong("accepted", "good") if accepted else Strong("rejected", "bad"),
+                Strong("accepted", "good"),
                 " by code that the prover does not share (",
                 Code(f"gks check {certificate}"),
                 ").",
             )
         ),
     ]
+
+
+def proved(theorem: Result) -> bool:
+    """Whether a theorem stands: proved, and its certificate accepted."""
+    return theorem.get("status") == "proved" and bool(theorem.get("checked", "accepted"))
+
+
+def unproved(theorem: Result) -> Text:
+    """Why a theorem does not stand."""
+    if theorem.get("status") != "proved":
+        return (Strong("Not proved", "open"), f": {theorem.get('reason')}.")
+    problem = theorem.get("checked", "problem")
+    return (
+        Strong("Not proved", "bad"),
+        f": the certificate was rejected by code that the prover does not share: {problem}.",
+    )
 
 
 def certificate_file(stem: str) -> str:
@@ -174,7 +197,7 @@ def stated(statement: str) -> tuple[list[tuple[Node, Node]], list[Text]]:
     """The lines of a theorem's statement as (where stable, for which parameter), and what it says besides."""
     rows: list[tuple[Node, Node]] = []
     tails: list[Text] = []
-    for line in statement.splitlines()[1:]:
+    for line in statement.partition(": stable exactly for\n")[2].splitlines():  # a title may have lines of its own
         text = line.strip().partition("; ")[0]
         if text.startswith("the bound"):
             tails.append(_tail(text))
@@ -215,8 +238,8 @@ def _pieces_table(result: Result, parameter: str | None) -> Table:
 
 
 def _on_bound(piece: Mapping[str, Any], parameter: str | None) -> Text:
-    """The verdict at lam = bound, and where it is another one."""
-    text: Text = (piece["at_bound"] or "–",)
+    """The verdict at lam = bound with what it allows for, and where it is another one."""
+    text: Text = ((piece["at_bound"] or "–") + piece["reserve"],)
     for value, verdict in piece.get("at_bound_except", ()):
         assert parameter is not None
         text = (*text, f", {verdict} at ", Maths(relation(name(parameter), "=", laid_out(value))))
@@ -233,16 +256,15 @@ def _end(result: Result, k: int, which: str) -> Text:
 def march_blocks(answers: Answers, result: Result) -> list[Block]:
     """Predicted against observed growth, with the history of a march."""
     data = result.record["result"]
-    agrees = Strong("agrees", "good") if data["agrees"] else Strong("disagrees", "bad")
     rows: list[tuple[Text, Text]] = [
         (("predicted growth a step",), (result.number("predicted", digits=10),) if data["predicted"] is not None
          else ("no admissible mode: nothing is claimed",)),
         (("observed",), (result.number("observed", digits=10), " ± ", result.number("uncertainty", digits=2),
                          f" (99 %, {data['method']})")),
-        (("comparison",), (agrees, f": {data['remark']}" if data["remark"] else "")),
-        (("cells and steps",), (" and ".join(map(str, data["cells"])) + f" cells, {data['steps']} steps",)),
+        (("comparison",), (compared(result), ": ", result.quote("because"))),
+        (("cells and steps",), (" and ".join(map(str, data["cells"])) + f" cells, {counted(data['steps'], 'step')}",)),
     ]  # fmt: skip
-    seen = f"The size after up to {data['steps']} steps; growth a step observed {shown(data['observed'])}"
+    seen = f"The size after up to {counted(data['steps'], 'step')}; growth a step observed {shown(data['observed'])}"
     seen += f", predicted {shown(data['predicted'])}." if data["predicted"] is not None else ", no mode predicted."
     figure = Figure(
         f"{answers.stem}-march",
@@ -255,6 +277,13 @@ def march_blocks(answers: Answers, result: Result) -> list[Block]:
         },
     )
     return [figure, Table((), (("",), ("",)), tuple(rows))]
+
+
+def compared(march: Result) -> Strong:
+    """Whether a march bears the modes out: only where it could have done otherwise does it agree."""
+    if not march.get("agrees"):
+        return Strong("disagrees", "bad")
+    return Strong("agrees", "good") if march.get("told") else Strong("not contradicted", "open")
 
 
 def audit_blocks(_: Answers, result: Result) -> list[Block]:

@@ -31,7 +31,7 @@ KINDS: Mapping[str, dict[str, Any]] = {
 """Marks by what a root is: told apart by shape as well as by colour."""
 
 FARTHEST = 20.0
-"""Roots beyond this modulus are named at the edge of the z-plane and not drawn to scale."""
+"""Roots beyond this modulus are not drawn; the picture says how many they are."""
 
 
 def draw_roots(modes: Sequence[Mapping[str, Any]], axes: Axes) -> None:

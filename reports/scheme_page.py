@@ -23,22 +23,25 @@ from gks.reports.document import (
     Strong,
     Table,
     Text,
+    counted,
     shown,
     signed,
 )
-from gks.reports.formulas import NotAFormula, formula, laid_out, name, relation
+from gks.reports.formulas import NotAFormula, formula, name
 from gks.reports.provenance import provenance
 from gks.reports.scheme_answers import (
     audit_blocks,
     certificate_file,
+    compared,
     curve_blocks,
     detached,
     map_blocks,
     march_blocks,
+    proved,
     theorem_blocks,
 )
 from gks.reports.scheme_maths import scheme_section
-from gks.reports.scheme_topics import Answers, Topic
+from gks.reports.scheme_topics import Answers, Topic, fixed, values_text
 from gks.scheme.model import Scheme
 
 TONES = {"stable": "good", "neutral": "open", "generalized": "open", "unstable": "bad", "undecided": "open"}
@@ -76,36 +79,26 @@ def _summary(answers: Answers) -> tuple[Block, ...]:
     modes, theorem, march, audit = (answers.given(step) for step in ("modes", "theorem", "march", "audit"))
     if modes is not None:
         verdict = modes.get("verdict")
-        rows.append((("at ", *_values(modes)), (Strong(verdict, TONES[verdict]), ": ", modes.quote("because"))))
+        at: Text = ("at ", *values_text(modes.get("parameters")))
+        rows.append((at, (Strong(verdict, TONES[verdict]), ": ", modes.quote("because"))))
     if theorem is not None:
-        proved = theorem.get("status") == "proved"
-        what: Text = (Strong("proved", "good"), "; see ", Link("the theorem", "#theorem"))
-        rows.append((("stable region",), what if proved else (Strong("not proved", "open"),)))
+        word = Strong("proved", "good") if proved(theorem) else Strong("not proved", "open")
+        rows.append((("stable region",), (word, "; see ", Link("the theorem", "#theorem"))))
     if march is not None:
-        agrees = march.get("agrees")
-        word = Strong("agrees", "good") if agrees else Strong("disagrees", "bad")
-        what = (word,)
-        if march.get("predicted") is not None:
-            what = (word, ": observed ", march.number("observed"), ", predicted ", march.number("predicted"))
-        rows.append((("a march",), what))
+        seen: Text = (march.quote("because"),)
+        if march.get("predicted") is not None and march.get("told"):
+            seen = ("observed ", march.number("observed"), ", predicted ", march.number("predicted"))
+        rows.append((("a march",), (compared(march), ": ", *seen)))
     if audit is not None:
         rows.append((("claims",), _tally(audit)))
     blocks: list[Block] = [Paragraph((scheme.source,))] if scheme.source else []
-    return (*blocks, Table((), (("",), ("",)), tuple(rows)))
-
-
-def _values(result: Result) -> Text:
-    text: Text = ()
-    for key, value in result.get("parameters").items():
-        text = (*text, ", " if text else "", Maths(relation(name(key), "=", laid_out(str(value)))))
-    return text
+    return (*blocks, Table((), (("",), ("",)), tuple(rows))) if rows else tuple(blocks)
 
 
 def _tally(audit: Result) -> Text:
     claims = audit.get("claims")
     counts = {word: sum(c["evidence"]["status"] == word for c in claims) for word in ("holds", "fails", "undecided")}
-    parts = [f"{count} {'hold' if word == 'holds' else 'fail' if word == 'fails' else word}"
-             for word, count in counts.items() if count]  # fmt: skip
+    parts = [f"{count} {word if count == 1 else word.removesuffix('s')}" for word, count in counts.items() if count]
     tone = "bad" if counts["fails"] else "open" if counts["undecided"] else "good"
     return (Strong(", ".join(parts), tone), "; see ", Link("the audit", "#audit"))
 
@@ -162,8 +155,9 @@ def _shown_formula(text: str, label: str, place: str = "") -> Block:
 
 def _modes(answers: Answers, result: Result) -> list[Block]:
     verdict, modes = result.get("verdict"), result.get("modes")
-    head: Text = ("At ", *_values(result), ": ", Strong(verdict, TONES[verdict]), ", ", result.quote("because"), " ",
-                  f"(tier: {result.get('tier')}{', certified' if result.get('certified') else ''}).")  # fmt: skip
+    how = f"(tier: {result.get('tier')}{', certified' if result.get('certified') else ''})."
+    head: Text = ("At ", *values_text(result.get("parameters")), ": ", Strong(verdict, TONES[verdict]), ", ")
+    head = (*head, result.quote("because"), " ", how)
     blocks: list[Block] = [Paragraph(head)]
     if modes:
         blocks += [_modes_figure(answers.stem, modes), _modes_table(result)]
@@ -171,8 +165,8 @@ def _modes(answers: Answers, result: Result) -> list[Block]:
 
 
 def _modes_figure(stem: str, modes: list[Mapping[str, Any]]) -> Figure:
-    worst = max((m for m in modes if m["kind"] != "inadmissible"), key=lambda m: float(m["modulus"]), default=None)
-    seen = f"{len(modes)} roots of the characteristic polynomial around the unit circle. "
+    worst = max((m for m in modes if m["kind"] != "inadmissible"), key=_modulus, default=None)
+    seen = f"{counted(len(modes), 'root')} of the characteristic polynomial around the unit circle. "
     if worst is not None:
         seen += f"The admissible one of largest modulus is {worst['kind']}, with modulus {shown(worst['modulus'])}."
     else:
@@ -188,6 +182,10 @@ def _modes_figure(stem: str, modes: list[Mapping[str, Any]]) -> Figure:
     caption = "Roots in the z-plane. Outside the circle a mode grows; what is inadmissible does not decay in space."
     draw = Panel(partial(figures.draw_roots, modes), aspect=0.86)
     return Figure(f"{stem}-modes", (caption,), seen, (draw,), {"": Data(columns)})
+
+
+def _modulus(mode: Mapping[str, Any]) -> float:
+    return float("inf") if mode["modulus"] == "oo" else float(mode["modulus"])
 
 
 def _profile(answers: Answers) -> list[Block]:
@@ -208,15 +206,20 @@ def _profile(answers: Answers) -> list[Block]:
         return []
     columns = dict(zip(("domain", "unknown", "index", "re", "im"), map(list, zip(*rows, strict=True)), strict=True))
     present = [c for c in data["components"] if c["present"]]
-    factors = ", ".join(f"{shown(c['modulus'], 4)} in {c['domain']}" for c in present[:6])
+    where = {d.name: f" in {d.name}" if len(scheme.domains) > 1 else "" for d in scheme.domains}
+    factors = ", ".join(shown(c["modulus"], 4) + where[c["domain"]] for c in present[:MOST_FACTORS])
+    more = ", …" if len(present) > MOST_FACTORS else "."
+    modes = answers.given("modes")
+    finite = "finite " if modes is not None and any(each["z"] == "oo" for each in modes.get("modes")) else ""
+    one_of = f"; one of {data['dimension']} independent shapes" if data["dimension"] > 1 else ""
     figure = Figure(
         f"{answers.stem}-profile",
         (
-            f"The {mode['kind']} mode of largest modulus, |z| = ",
+            f"The {mode['kind']} mode of largest {finite}modulus, |z| = ",
             result.number("mode", "modulus", digits=7),
-            ", in space; its largest value is 1.",
+            f", in space{one_of}; its largest value is 1.",
         ),
-        f"Its spatial factors have the moduli {factors}." if factors else "It lives in single values at the boundary.",
+        f"Moduli of its spatial factors: {factors}{more}" if factors else "It lives in single values at the boundary.",
         tuple(Panel(partial(figures.draw_profile, scheme, data, d.name), aspect=0.6) for d in domains),
         {"": Data(columns)},
     )
@@ -243,8 +246,14 @@ def _paths(answers: Answers) -> list[Block]:
     growing = sum("growing" in track["kind"] for track in data["tracks"])
     figure = Figure(
         f"{answers.stem}-roots",
-        ("The paths of the roots as ", Maths(name(data["sweep"])), f" runs from {first} to {last}, with arrows."),
-        f"{len(data['tracks'])} paths, of which {growing} leave the unit circle as growing modes.",
+        (
+            "The paths of the roots as ",
+            Maths(name(data["sweep"])),
+            f" runs from {first} to {last}",
+            *fixed(result, data["sweep"]),
+            ", with arrows.",
+        ),
+        f"{counted(len(data['tracks']), 'path')}. Growing modes on a part of their way: {growing}.",
         tuple(Panel(partial(figures.draw_rootmap, scheme, data, sweep, plane), aspect=0.95) for plane in planes),
         {"": Data(dict(columns))},
     )
@@ -252,11 +261,16 @@ def _paths(answers: Answers) -> list[Block]:
 
 
 MOST_ROWS = 40
+"""Roots that the table lists; the data of their picture have all."""
+
+MOST_FACTORS = 6
+"""Spatial factors that the description of a mode lists."""
 
 
 def _modes_table(result: Result) -> Table:
     rows = []
-    for k, mode in enumerate(result.get("modes")[:MOST_ROWS]):
+    modes = result.get("modes")
+    for k, mode in enumerate(modes[:MOST_ROWS]):
         z: Text = ("∞",)
         if mode["z"] != "oo":
             real, imaginary = (result.number("modes", k, "z", part, digits=8) for part in (0, 1))
@@ -269,7 +283,8 @@ def _modes_table(result: Result) -> Table:
         )
         rows.append(row_)
     columns: tuple[Text, ...] = ((Maths(name("z")),), ("|z|",), ("multiplicity",), ("kind",))
-    return Table(("The roots, each as a double.",), columns, tuple(rows), frozenset({0, 1, 2}))
+    which = "The roots" if len(modes) <= MOST_ROWS else f"The first {MOST_ROWS} of {len(modes)} roots"
+    return Table((f"{which}, each as a double.",), columns, tuple(rows), frozenset({0, 1, 2}))
 
 
 TOPICS = (

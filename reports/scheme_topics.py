@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
-from gks.reports.document import Block, Paragraph, Result, Section
+from gks.reports.document import Block, Maths, Paragraph, Result, Section, Text
+from gks.reports.formulas import laid_out, name, relation
 from gks.scheme.model import Scheme
 
 
@@ -46,3 +47,17 @@ class Topic:
             return Section(self.anchor, self.title, (Paragraph((f"{self.without}: {result.refused}.",)),))
         blocks = tuple(self.blocks(answers, result))
         return Section(self.anchor, self.title, blocks) if blocks else None
+
+
+def values_text(values: Mapping[str, object]) -> Text:
+    """Parameters with their values, between commas."""
+    text: Text = ()
+    for key, value in values.items():
+        text = (*text, ", " if text else "", Maths(relation(name(key), "=", laid_out(str(value)))))
+    return text
+
+
+def fixed(result: Result, *running: str) -> Text:
+    """What a curve, a map or paths hold fixed, all but the parameters that run, as ", at c = 2"; () for nothing."""
+    values = {key: value for key, value in result.record["arguments"]["values"].items() if key not in running}
+    return (", at ", *values_text(values)) if values else ()

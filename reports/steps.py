@@ -169,13 +169,15 @@ def _thinned(sweep: str, points: int) -> str:
 
 
 def theorem(scheme: Scheme, values: Values, limit: float) -> Result:
-    """The object of gks.theorem/1, and what the checker says of its certificate."""
+    """The object of gks.theorem/1, with the reserve of each piece's verdict, and what the checker says of it."""
     from gks.bounds.check import check
     from gks.bounds.proof import prove
 
     free = [p.name for p in scheme.parameters if p.name not in values]
     proved = prove(scheme, scheme.values(dict(values), free), limit)
     data = _untimed(proved.to_json())
+    for piece, shown in zip(proved.pieces, data["pieces"], strict=True):
+        shown["reserve"] = piece.reserve if piece.at_bound else ""
     if proved.proved:
         verdict = check(dict(proved.certificate))
         data["checked"] = {"accepted": verdict.accepted, "problem": verdict.problem}
