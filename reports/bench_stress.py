@@ -65,7 +65,9 @@ def _bound(scheme: Scheme, case: Case) -> _Answer:
     (point,) = curve(scheme, case.values).points
     if not point.resolved or point.lam_max is None:
         return "undecided", _expected(case), UNDECIDED, None, "", point.because
-    found = Fraction(0) if point.lam_max == "oo" else Fraction(str(point.lam_max))
+    if point.lam_max == "oo":  # every case has a bound
+        return "oo", _expected(case), WRONG, None, "", ""
+    found = Fraction(str(point.lam_max))
     digits = agreeing(found, case.lam_max)
     # Within the stated bound, and a printed double's own rounding.
     within = abs(found - case.lam_max) <= case.lam_max * (Fraction(point.error_bound) + Fraction(1, 2**52))

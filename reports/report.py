@@ -102,14 +102,17 @@ def write(report: Report, folder: str, formats: Sequence[str], store: Store, wat
 
 def _page(report: Report, store: Store, watcher: Watcher) -> str:
     """The page, its pictures drawn by several processes or found as an earlier run drew them."""
-    from gks.reports.inline_svg import drawing_step
+    from gks.reports.inline_svg import drawing_step, inline_svg
     from gks.reports.page import drawings, html
 
     steps = [drawing_step(*drawing) for figure in report.figures() for drawing in drawings(figure)]
     drawn = computed(steps, store, watcher)
 
     def svg(panel: Panel, key: str, title: str, description: str) -> str:
-        text: str = drawn[f"draw {key}"]["result"]["svg"]
+        record = drawn[f"draw {key}"]
+        if "refused" in record:  # only ever for the time it took: here it has as long as it needs
+            return inline_svg(panel, key, title, description)
+        text: str = record["result"]["svg"]
         return text
 
     return html(report, svg)

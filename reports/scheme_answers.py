@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from fractions import Fraction
 from functools import partial
 from typing import Any
 
@@ -83,8 +84,10 @@ def map_blocks(answers: Answers, result: Result) -> list[Block]:
     seen = f"{len(known)} of {len(cells)} points have a modulus. Above 1: {growing} of them; the largest is "
     seen += f"{shown(max(known), 4)}."
     caption = "; 0 where no mode is admissible."
-    if sweep:
-        caption += " Hatched: the interior scheme is unstable by itself. Dashed: the largest stable CFL number."
+    if sweep and not all(map(all, data["interior"])):
+        caption += " Hatched: the interior scheme is unstable by itself."
+    if sweep and bound is not None:
+        caption += " Dashed: the largest stable CFL number."
     held = fixed(result, answers.scheme.cfl, sweep or "")
     columns = {**({sweep: [v for v, _, _ in cells]} if sweep else {}), "lam": [lam for _, lam, _ in cells]}
     columns["radius"] = [radius for _, _, radius in cells]
@@ -205,7 +208,9 @@ def stated(statement: str) -> tuple[list[tuple[Node, Node]], list[Text]]:
         what, _, where = text.partition(" if ")
         spans: list[Node] = []
         for span in what.strip().split(" or "):
-            spans += [words(" or "), laid_out(span)] if spans else [laid_out(span)]
+            never = span.startswith("no ")
+            node = row(words("no "), name(span.removeprefix("no "))) if never else laid_out(span)
+            spans += [words(" or "), node] if spans else [node]
         condition = [words("if "), laid_out(where)] if where else []
         rows.append((row(*spans), row(*condition) if condition else words("")))
     return rows, tails
@@ -250,7 +255,17 @@ def _end(result: Result, k: int, which: str) -> Text:
     text = result.get("pieces", k, which)
     value: Number = result.number("pieces", k, f"{which}_value")
     exact = Maths(laid_out(text))
-    return (value,) if text.replace("-", "−") == value.text or text in ("oo", "-oo") else (exact, " ≈ ", value)
+    if text.replace("-", "−") == value.text or text in ("oo", "-oo"):
+        return (value,)
+    return (exact, " = " if _is_all_of(value, text) else " ≈ ", value)
+
+
+def _is_all_of(value: Number, exact: str) -> bool:
+    """Whether a number as it is shown is the exact one: 0.5 for 1/2, not 0.333333 for 1/3."""
+    try:
+        return Fraction(exact) == Fraction(f"{value.value:.6g}")
+    except ValueError:  # a root, or a number beyond doubles
+        return False
 
 
 def march_blocks(answers: Answers, result: Result) -> list[Block]:

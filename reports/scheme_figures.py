@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
+from itertools import cycle
 from math import cos, hypot, log10, pi, sin
 from typing import TYPE_CHECKING, Any
 
@@ -165,7 +166,7 @@ def draw_profile(scheme: Scheme, data: Mapping[str, Any], domain: str, axes: Axe
     """A mode's values next to the boundary in one half-line: real parts, with the moduli as a band around 0."""
     values = data["shapes"][0]["values"][domain]
     half_line = scheme.half_line(domain)
-    for unknown, (colour, mark) in zip(half_line.unknowns, PROFILE, strict=False):
+    for unknown, (colour, mark) in zip(half_line.unknowns, cycle(PROFILE), strict=False):
         pairs = [complex(float(x), float(y)) for x, y in values[unknown]]
         axes.fill_between(values["index"], [-abs(v) for v in pairs], [abs(v) for v in pairs], color=colour, alpha=0.13)
         axes.plot(

@@ -103,6 +103,10 @@ def _tally(audit: Result) -> Text:
     return (Strong(", ".join(parts), tone), "; see ", Link("the audit", "#audit"))
 
 
+MOST_PLACES = 12
+"""Values from the closure that the description of the grid lists."""
+
+
 # Sections -------------------------------------------------------------------------------------------------------------
 
 
@@ -115,11 +119,12 @@ def _grid(scheme: Scheme, stem: str) -> Figure:
         }
     )
     lines = len(scheme.domains)
-    places = ", ".join(str(v) for v in scheme.boundary_unknowns[:12])
+    places = ", ".join(str(v) for v in scheme.boundary_unknowns[:MOST_PLACES])
+    places += ", …" if len(scheme.boundary_unknowns) > MOST_PLACES else "."
     return Figure(
         f"{stem}-grid",
         ("The grid next to the boundary: cells, and the values that the closure gives.",),
-        f"{'Two half-lines that meet' if lines == 2 else 'One half-line'}. Values from the closure: {places}.",
+        f"{'Two half-lines that meet' if lines == 2 else 'One half-line'}. Values from the closure: {places}",
         (Panel(partial(figures.draw_grid, scheme), aspect=0.22 + 0.16 * lines),),
         {"": data},
     )

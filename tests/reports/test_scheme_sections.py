@@ -1,18 +1,23 @@
 """What a scheme's page says where there is little to say, or less than one would like."""
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 import pytest
 
 from gks.catalogue import find
 from gks.reports import steps
+from gks.reports.formulas import plain
 from gks.reports.markdown import markdown
+from gks.reports.report import write
 from gks.reports.scheme_answers import stated
 from gks.reports.scheme_page import build
 from gks.reports.scheme_plan import plan
+from gks.reports.store import Store
 from gks.scheme.model import Scheme
 from gks.scheme.schemefile import parse_scheme
+from tests.reports.example import Silent
 
 Records = dict[str, dict[str, Any]]
 
@@ -110,12 +115,21 @@ def test_the_verdict_on_a_bound_keeps_its_reserve(unequal: Records) -> None:
     assert "| stable (at isolated values perhaps neutral) |" in page(find("weighted-2-unequal"), given)
 
 
+def test_the_end_of_a_piece_equals_its_decimal_or_is_near_it(unequal: Records) -> None:
+    theorem = unequal["theorem"]
+    (piece,) = theorem["result"]["pieces"]
+    ends = {"from": "1/8", "from_value": 0.125, "to": "1/3", "to_value": 1 / 3}
+    given = {"theorem": {**theorem, "result": {**theorem["result"], "pieces": [{**piece, **ends}]}}}
+    text = page(find("weighted-2-unequal"), given)
+    assert r"| $\frac{1}{8}$ = 0.125 | $\frac{1}{3}$ ≈ 0.333333 |" in text
+
+
 def test_a_title_may_have_several_lines() -> None:
     assert page(parse_scheme(LEAPFROG.replace('"Leapfrog"', '"Leap\\nfrog"'), "page"), {}).startswith("# Leap frog\n")
     rows, tails = stated(
         "Leap\nfrog: stable exactly for\n  0 < lam < 1  if 0 < a; at lam = 1: neutral\n  no lam  if a = 0"
     )
-    assert len(rows) == 2
+    assert [plain(what) for what, _ in rows] == ["0 < λ < 1", "no λ"]
     assert tails == []
 
 
@@ -137,3 +151,11 @@ def test_a_page_without_a_single_result_is_a_page() -> None:
     text = page(scheme, refused)
     assert "Not analysed: no time." in text
     assert "Not proved: no time." in text
+
+
+def test_a_picture_that_took_too_long_elsewhere_is_on_the_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    late = {"refused": "it took over 60 s", "over_limit": True}
+    monkeypatch.setattr("gks.reports.report.computed", lambda steps, *_: {step.name: late for step in steps})
+    report = build(leapfrog("u[0, n+1] = u[1, n]"), "page", {})
+    (path,) = write(report, str(tmp_path), ("html",), Store(str(tmp_path)), Silent())
+    assert Path(path).read_text(encoding="utf-8").count("<svg") == 1
