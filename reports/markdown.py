@@ -73,7 +73,14 @@ def _inline(piece: Inline) -> str:
         return f"{fence}{piece.text}{fence}"
     if isinstance(piece, Link):
         return f"[{_escaped(piece.text)}]({piece.target})"
-    return f"**{_escaped(piece.text)}**" if isinstance(piece, Strong) else _escaped(piece.text)
+    return _strong(piece.text) if isinstance(piece, Strong) else _escaped(piece.text)
+
+
+def _strong(text: str) -> str:
+    """White space stays outside: asterisks next to it on the inside are asterisks."""
+    inner = text.strip()
+    before, _, after = text.partition(inner)
+    return f"{before}**{_escaped(inner)}**{after}"
 
 
 def _escaped(text: str) -> str:

@@ -25,6 +25,7 @@ from gks.reports.formulas import cases, formula
 from gks.reports.paper_experiments import missing
 from gks.reports.printed import THEOREMS, UNEQUAL, PrintedTheorem
 from gks.reports.scheme_answers import claim_rows, proved, stated, unproved
+from gks.reports.scheme_topics import fixed
 
 Results = Mapping[str, Result]
 
@@ -62,9 +63,10 @@ def _proved(result: Result, label: str) -> list[Block]:
     if not proved(result):
         return [Paragraph(unproved(result))]
     rows, _ = stated(result.get("statement"))
+    held = fixed(result)
     file = result.get("certificate", "file")
     return [
-        Paragraph((Strong("Proved", "good"), *prose(", with $alpha = rho_R/rho_L$: stable exactly for"))),
+        Paragraph((Strong("Proved", "good"), *prose(", with $alpha = rho_R/rho_L$"), *held, ": stable exactly for")),
         Formula(cases(rows), label),
         Paragraph(("Certificate ", Link(file, file), ", ", Strong("accepted", "good"), " by the checker.")),
     ]

@@ -227,7 +227,7 @@ def _seen(lines: Sequence[Mapping[str, Any]], labels: Sequence[str]) -> str:
         known = [error for error in line["velocity_error"] if error is not None]
         way = "grows" if line["observed"] > 1 else "decays"
         rate, end = shown(line["observed"], 7), shown(known[-1], 2)
-        parts.append(f"At {label} the velocity error {way} by {rate} a step and ends at {end}")
+        parts.append(f"At {label} the velocity error {way} by the factor {rate} a step and ends at {end}")
     return ". ".join(parts) + "."
 
 

@@ -110,12 +110,12 @@ def _blow_up(result: Result) -> list[Block]:
     at_two: Text = ()
     for quantity in ("velocity", "stress"):
         number = result.number("lines", 0, f"{quantity}_error", 2, digits=2)
-        at_two = (*at_two, f" and {quantity} " if at_two else f" {quantity} ", number)
+        at_two = (*at_two, " and " if at_two else "", number, f" in {quantity}")
     return [
         Paragraph(
             (
                 "“By the second step the max error is already ≈ 10⁸” (traditional, ratio 10¹⁰): at the second step the "
-                "errors found are,",
+                "errors found are ",
                 *at_two,
                 f"; 10⁸ is passed at step {passed['stress']} in stress and at step {passed['velocity']} in velocity.",
             )

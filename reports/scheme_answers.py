@@ -341,5 +341,6 @@ def _shown_at(result: Result, k: int) -> Text:
         text = (*text, ", |z| = ", result.number("claims", k, "counterexample", "modulus", digits=7))
     march = result.get("claims", k, "evidence").get("march", {})
     if "observed" in march:
-        text = (*text, "; a march grows by ", result.number("claims", k, "evidence", "march", "observed", digits=7))
+        observed = result.number("claims", k, "evidence", "march", "observed", digits=7)
+        text = (*text, "; growth a step observed in a march: ", observed)
     return (*text, ".")

@@ -8,8 +8,9 @@ import pytest
 
 from gks.catalogue import find
 from gks.reports import steps
+from gks.reports.document import Strong
 from gks.reports.formulas import plain
-from gks.reports.markdown import markdown
+from gks.reports.markdown import markdown, text_markdown
 from gks.reports.report import write
 from gks.reports.scheme_answers import stated
 from gks.reports.scheme_page import build
@@ -159,3 +160,8 @@ def test_a_picture_that_took_too_long_elsewhere_is_on_the_page(tmp_path: Path, m
     report = build(leapfrog("u[0, n+1] = u[1, n]"), "page", {})
     (path,) = write(report, str(tmp_path), ("html",), Store(str(tmp_path)), Silent())
     assert Path(path).read_text(encoding="utf-8").count("<svg") == 1
+
+
+def test_strong_words_of_markdown_keep_white_space_outside() -> None:
+    assert text_markdown((Strong("The ratio. "), "It is")) == "**The ratio.** It is"
+    assert text_markdown(("a", Strong(" b*"))) == r"a **b\***"
