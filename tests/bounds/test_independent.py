@@ -54,9 +54,10 @@ def test_small_lam_hides_no_pair_of_modes_next_to_one(coupled: Scheme) -> None:
 def test_branch_points_on_the_circle() -> None:
     """Leapfrog's spatial roots meet on abs(z) = 1: the count is right where it closes."""
     scheme = interface(CLOSURE, space="central2", time="leapfrog")
-    alpha = np.geomspace(0.1, 10, 7)
-    found = verdicts_at(scheme, scheme.values({}), {"lam": np.full(7, 0.5), "alpha": alpha})
+    alpha = np.geomspace(0.1, 10, 7)[:5]  # those left open above 1 take longest
+    found = verdicts_at(scheme, scheme.values({}), {"lam": np.full(5, 0.5), "alpha": alpha})
+    assert found.resolved.sum() >= 3
     for value, known, growing in zip(alpha, found.resolved, found.growing, strict=True):
         exact = quick_verdict(scheme, {**scheme.values({}), "lam": Fraction(1, 2), "alpha": Fraction(value)})
-        if known and exact is Verdict.STABLE:
-            assert growing == 0
+        if known:
+            assert (exact, growing) == (Verdict.STABLE, 0)

@@ -101,11 +101,12 @@ class TestTheSandboxSaysNo:
         ],
     )
     def test_a_deed(self, deed: str, tmp_path: Path) -> None:
-        """A program that does what it must not, by a stand-in for `gks` in a process of its own."""
+        """A program that does what it must not, by a stand-in for `gks` in a process of its own, with a second each."""
         case = tmp_path / "a.case"
         case.write_bytes(Case(("modes", FILE), b"title = 1\n").data())
         program = (
             f"from tests.fuzz import replay, sandbox\nsandbox.main = lambda a: {deed}\nsandbox.warm_up = lambda: 0\n"
+            "sandbox.COMMAND_SECONDS = 1.0\n"
         )
         found = faults([case], program + "replay.main()")
         assert list(found) == ["a.case"], found
