@@ -6,7 +6,8 @@ zeros where one of them is a mode and no branch points.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from fractions import Fraction
 
 import numpy as np
 
@@ -35,7 +36,9 @@ def delta_of_z(problem: NormalModeProblem) -> DeltaOfZ:
         count = mu.shape[1]
         flat = [np.repeat(each, count) for each in symbols]
         with np.errstate(all="ignore"):
-            found = compiled.at(mu.ravel() / flat[-1], *flat).determinant
+            # On the circle Re s may vanish throughout: which waves decay is told as abs(z) grows.
+            outwards = _outwards(method, z, mu).ravel()
+            found = compiled.at(mu.ravel() / flat[-1], *flat, towards=outwards).determinant
         return np.asarray(found.reshape(mu.shape).prod(axis=1))
 
     return delta
@@ -52,8 +55,22 @@ def _branches(method: Integrator, z: ComplexArray) -> ComplexArray:
         return all_roots(rows)
 
 
-def _value(row: tuple[object, ...], z: ComplexArray) -> ComplexArray:
+def _outwards(method: Integrator, z: ComplexArray, mu: ComplexArray) -> ComplexArray:
+    """The derivative of every lam*s by log z."""
+    if method.kind == "multistep":
+        rho, sigma, rho_z, sigma_z = (
+            _value(row, z) for row in (method.rho, method.sigma, _derived(method.rho), _derived(method.sigma))
+        )
+        return np.asarray((z * (rho_z - rho * sigma_z / sigma) / sigma)[:, None])
+    return np.asarray(z[:, None] / _value(_derived(method.stability), mu))
+
+
+def _derived(row: Sequence[Fraction]) -> tuple[Fraction, ...]:
+    return tuple(k * Fraction(c) for k, c in enumerate(row))[1:]
+
+
+def _value(row: Sequence[Fraction], z: ComplexArray) -> ComplexArray:
     total = np.zeros_like(z)
     for c in reversed(row):
-        total = total * z + float(c)  # type: ignore[arg-type]
+        total = total * z + float(c)
     return total

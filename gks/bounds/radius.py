@@ -1,8 +1,9 @@
 """The largest modulus of an admissible mode over a parameter and lam, in double precision: data for maps.
 
 The characteristic polynomial is eliminated once with both as symbols. Its roots at every point are polished by Newton's
-method and kept where Delta of their own decaying solutions vanishes. A point at which that is in doubt is masked; on
-and next to the unit circle the numbers decide nothing, and `gks modes` has the verdict.
+method, enclosed in discs (`gks.bounds.rootdiscs`), and kept where Delta of their own decaying solutions vanishes
+(`gks.bounds.deltazeros`). A point at which that is in doubt is masked; on and next to the unit circle the numbers
+decide nothing, and `gks modes` has the verdict.
 """
 
 from __future__ import annotations
@@ -20,8 +21,10 @@ from flint import fmpz_mpoly
 from numpy.typing import NDArray
 
 from gks.bounds.allroots import all_roots
+from gks.bounds.deltazeros import judged
 from gks.bounds.located import close_to
-from gks.bounds.sampled import Array, ComplexArray, Sampled, Values, polynomial_of, sampled
+from gks.bounds.rootdiscs import gaps, rounded
+from gks.bounds.sampled import Array, ComplexArray, polynomial_of, sampled
 from gks.bounds.signs import interior_sets, signs_stand
 from gks.bounds.sweep import Sweep
 from gks.errors import InputError, NotAnalysable, ParameterError
@@ -42,14 +45,10 @@ Mask = NDArray[np.bool_]
 MAP_WORK = 64
 """`elimination_work` up to which a problem is eliminated with two symbols: two second-order fields on either side take
 a fraction of a second."""
-ZERO = 1e-7
-"""abs(Delta), each row measured by its terms, at a polished root of its own: far above the rounding of a simple root,
-and what a double root leaves."""
-NOT_ZERO = 1e-4
-"""abs(Delta) from which a root certainly is no mode; between the two it is in doubt."""
 NEAR = 1e-9
-"""Distance from the unit circle within which doubles decide nothing here: a double root is known to about 1e-8, a
-simple one to far less."""
+"""Error, absolute or relative, of a modulus that counts as known, and with it the distance from 1 at which it is on a
+side. A choice: what double precision gives a simple root of moderate condition, with some digits to spare. Every error
+is computed (`gks.bounds.rootdiscs`), and a point where one is larger is masked."""
 
 Shown = Literal["stable", "unstable", "near"]
 
@@ -243,13 +242,9 @@ def _largest(problem: NormalModeProblem, symbols: Sequence[Array]) -> tuple[Arra
         elimination = characteristic_factors(problem)
     except Degenerate:
         raise degenerate_closure(problem) from None
-    compiled = sampled(problem)
-    radius, known = np.zeros(len(symbols[0])), np.ones(len(symbols[0]), bool)
+    factors = [factor.polynomial for factor in (*elimination.factors, *elimination.clearing)]
     with np.errstate(all="ignore"):  # what is not finite is not known
-        for factor in (*elimination.factors, *elimination.clearing):
-            found, sure = _of_factor(problem, compiled, factor.polynomial, symbols)
-            radius, known = np.maximum(radius, found), known & sure
-    return radius, known
+        return _of_factors(problem, factors, symbols)
 
 
 def _one_by_one(
@@ -272,45 +267,57 @@ def _one_by_one(
             progress(done, len(places))
 
 
-def _of_factor(
-    problem: NormalModeProblem, compiled: Sampled, factor: fmpz_mpoly, symbols: Sequence[Array]
+def _of_factors(
+    problem: NormalModeProblem, factors: Sequence[fmpz_mpoly], symbols: Sequence[Array]
 ) -> tuple[Array, Mask]:
-    """The same for one factor. A factor in s that does not hold lam is solved once for every value of the parameter."""
+    """The same. Where the roots are s and none moves with lam they are found once for every value of the parameter."""
     lam = symbols[-1]
-    once = problem.variable == "s" and not degree_in(factor, problem.coefficients.variable(problem.resolvent.cfl))
+    symbol = problem.coefficients.variable(problem.resolvent.cfl)
+    once = problem.variable == "s" and not any(degree_in(factor, symbol) for factor in factors)
     first = np.flatnonzero(lam == lam[0]) if once else np.arange(len(lam))
-    coefficients = polynomial_of(problem, factor).at(*(each[first] for each in symbols))
-    sigma = _polished(coefficients, all_roots(coefficients))
+    some = [each[first] for each in symbols]
+    sigma, radii = _roots(problem, factors, some)
+    axis = np.abs(sigma.real) if problem.variable == "s" else np.abs(np.abs(sigma) - 1)
     degree = sigma.shape[1]
-    flat = [np.repeat(each[first], degree) for each in symbols]
-    found = compiled.at(sigma.ravel(), *flat)
-    mode, unsure = (each.reshape(sigma.shape) for each in _admissible(found))
-    if once:
-        repeat = len(lam) // len(first)
-        sigma = np.repeat(sigma, repeat, axis=0)
-        mode, unsure = (np.repeat(each, repeat, axis=0) for each in (mode, unsure))
+    found = judged(
+        sampled(problem), sigma.ravel(), radii.ravel(), gaps(sigma, radii).ravel(), (axis <= NEAR / 2).ravel(),
+        [np.repeat(each, degree) for each in some],
+    )  # fmt: skip
+    repeat = len(lam) // len(first)
+    sigma, radii = np.repeat(sigma, repeat, axis=0), np.repeat(radii, repeat, axis=0)
+    mode, unsure, limit = (
+        np.repeat(each.reshape(len(first), degree), repeat, axis=0) for each in (found.mode, found.unsure, found.limit)
+    )
     modulus = _growth(problem, sigma, lam)
+    error = _error(problem, sigma, lam, modulus, radii)
+    # Where time integration damps it, a wave that does not decay in space is no limit of decaying ones.
+    doubt = mode & (~(error <= NEAR * np.maximum(1, modulus)) | (limit & (modulus < 1 - NEAR)))
+    mode, unsure = mode & ~doubt, unsure | doubt
     largest = np.where(mode, modulus, 0.0).max(axis=1, initial=0.0)
-    # A root in doubt does not matter below a modulus that is certain.
-    doubtful = (unsure & ~(modulus < largest[:, None])).any(axis=1)
+    # A root in doubt does not matter below a modulus that is certain, nor at z = 0.
+    most = modulus + error
+    doubtful = (unsure & ~((most < largest[:, None]) | (most == 0))).any(axis=1)
     return largest, ~doubtful & np.isfinite(largest)
 
 
-def _admissible(found: Values) -> tuple[Mask, Mask]:
-    """Which points are modes, and which may be: all of a family's decaying solutions have to decay.
+def _roots(
+    problem: NormalModeProblem, factors: Sequence[fmpz_mpoly], symbols: Sequence[Array]
+) -> tuple[ComplexArray, Array]:
+    """The roots of all factors at every point, and the radii of their discs."""
+    roots, radii = [np.empty((len(symbols[0]), 0), complex)], [np.empty((len(symbols[0]), 0))]
+    for factor in factors:
+        polynomials = rounded(polynomial_of(problem, factor), *symbols)
+        roots.append(_polished(polynomials.coefficients, all_roots(polynomials.coefficients)))
+        radii.append(polynomials.discs(roots[-1]))
+    return np.concatenate(roots, axis=1), np.concatenate(radii, axis=1)
 
-    Inside the unit circle the number of those that do may have grown, and then some of them satisfy the closure.
-    """
-    size = np.abs(found.determinant)
-    widest = np.max([np.abs(x).max(axis=1, initial=0) for x in found.decaying], axis=0, initial=0)
-    more = np.any([(np.abs(x) < 1 - SPATIAL).any(axis=1) for x in found.others], axis=0)
-    mode = (widest < 1 + SPATIAL) & ((size < ZERO) | more)
-    unsure = (widest < 1 + SPATIAL) & ~((size < ZERO) | (size > NOT_ZERO) | more)
-    return mode, unsure
 
-
-SPATIAL = 1e-9
-"""Distance of abs(kappa) from 1 that is not told from 0: a root on the circle counts as the limit of a decaying one."""
+def _error(problem: NormalModeProblem, sigma: ComplexArray, lam: Array, modulus: Array, distance: Array) -> Array:
+    """What the modulus changes by at most, to first order, over such a distance in sigma."""
+    if problem.variable == "z":
+        return distance
+    moved = [np.abs(_growth(problem, sigma + distance * unit, lam) - modulus) for unit in (1, 1j)]
+    return np.asarray(moved[0] + moved[1])
 
 
 def _polished(coefficients: ComplexArray, roots: ComplexArray) -> ComplexArray:

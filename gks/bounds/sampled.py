@@ -36,6 +36,16 @@ class _Terms:
     weights: Array
     exponents: NDArray[np.intp]
 
+    @property
+    def moduli(self) -> _Terms:
+        """The same with the moduli of its coefficients: at moduli of the variables the sum of those of the terms."""
+        return _Terms(np.abs(self.weights), self.exponents)
+
+    @property
+    def operations(self) -> int:
+        """Roundings that a term goes through: its coefficient, the variables, the products and the sums."""
+        return len(self.weights) + 2 * int(self.exponents.sum(axis=1).max(initial=0)) + 1
+
     def at(self, powers: Sequence[Sequence[ComplexArray]], points: int) -> ComplexArray:
         total = np.zeros(points, complex)
         for weight, exponents in zip(self.weights, self.exponents, strict=True):
@@ -63,6 +73,22 @@ class Values:
     decaying: tuple[ComplexArray, ...]
     others: tuple[ComplexArray, ...]
 
+    def take(self, points: NDArray[np.intp]) -> Values:
+        """At some of the points."""
+        decaying, others = (tuple(each[points] for each in every) for every in (self.decaying, self.others))
+        return Values(self.determinant[points], decaying, others)
+
+
+@dataclass(frozen=True, slots=True)
+class Rounded:
+    """abs(Delta) at N points as in `Values`, log2 of what the rows were divided by, and a bound of what the rounding of
+    the rows, of their elimination and of nothing else adds up to.
+    """
+
+    modulus: Array
+    scale: Array
+    rounding: Array
+
 
 @dataclass(frozen=True, slots=True)
 class Sampled:
@@ -74,28 +100,102 @@ class Sampled:
     rows: tuple[tuple[tuple[int, int, _Terms], ...], ...]
     irrational: tuple[complex | _Terms, ...]
     highest: tuple[int, ...]
+    variable: str
 
-    def at(self, sigma: ComplexArray, *symbols: Array) -> Values:
-        """Delta at points sigma with values of the symbols, all of shape (N,)."""
-        points = len(sigma)
+    def at(self, sigma: ComplexArray, *symbols: Array, towards: ComplexArray | None = None) -> Values:
+        """Delta at points sigma with values of the symbols, all of shape (N,).
+
+        ``towards``: the direction in which sigma moves as abs(z) grows, where it is not abs(sigma) or Re s that does.
+        """
+        if towards is None:
+            towards = sigma if self.variable == "z" else np.ones_like(sigma)
+        powers = self._powers(sigma, symbols)
+        split = [_split(family, powers, towards) for family in self.families]
+        decaying = tuple(mine for mine, _ in split)
+        return Values(self._determinant(decaying, powers, len(sigma)), decaying, tuple(others for _, others in split))
+
+    def reach(self, sigma: ComplexArray, decaying: Sequence[ComplexArray], *symbols: Array) -> Array:
+        """How far sigma has to move to change the polynomial of a decaying solution by the sum of the moduli of its
+        terms: times the relative rounding of those, the change of sigma that rounding amounts to. At least abs(sigma).
+        """
+        powers = self._powers(sigma, symbols)
+        moduli = [[np.abs(each) for each in table] for table in powers]
+        farthest = np.abs(sigma)
+        for family, roots in zip(self.families, decaying, strict=True):
+            sizes = np.stack([terms.moduli.at(moduli, len(sigma)).real for terms in family.powers], axis=1)
+            steps = np.stack([_derivative(terms).at(powers, len(sigma)) for terms in family.powers], axis=1)
+            each = horner(sizes, np.abs(roots)) / np.abs(horner(steps, roots))
+            farthest = np.maximum(farthest, each.max(axis=1, initial=0))
+        return np.asarray(farthest)
+
+    def _powers(self, sigma: ComplexArray, symbols: Sequence[Array]) -> list[list[ComplexArray]]:
+        """Tables of the powers of all variables."""
         powers: list[list[ComplexArray]] = []
         for value in (sigma, *symbols):
             powers.append(_powers(np.asarray(value, complex), self.highest[len(powers)]))
         for each in self.irrational:
-            known = each if isinstance(each, complex) else np.sqrt(each.at(powers, points))
-            powers.append(_powers(np.zeros(points, complex) + known, self.highest[len(powers)]))
-        split = [_split(family, powers, sigma) for family in self.families]
-        decaying = tuple(mine for mine, _ in split)
-        return Values(self._determinant(decaying, powers, points), decaying, tuple(others for _, others in split))
+            known = each if isinstance(each, complex) else np.sqrt(each.at(powers, len(sigma)))
+            powers.append(_powers(np.zeros(len(sigma), complex) + known, self.highest[len(powers)]))
+        return powers
+
+    def continued(
+        self, sigma: ComplexArray, found: Values, *symbols: Array
+    ) -> tuple[tuple[ComplexArray, ...], NDArray[np.bool_]]:
+        """The spatial roots that the decaying ones found elsewhere have become, and whether these are told from the
+        others: no pair of them has come nearer by more than two thirds of its distance there.
+        """
+        powers = self._powers(sigma, symbols)
+        nearest, apart = [], np.ones(len(sigma), bool)
+        for family, before, others in zip(self.families, found.decaying, found.others, strict=True):
+            few = family.decaying
+            roots = all_roots(np.stack([terms.at(powers, len(sigma)) for terms in family.powers], axis=1))
+            if 0 < few < roots.shape[1]:
+                distance = np.abs(roots[:, :, None] - before[:, None, :]).min(axis=2)
+                order = np.argsort(distance, axis=1)
+                roots, distance = (np.take_along_axis(each, order, axis=1) for each in (roots, distance))
+                between = np.abs(others[:, :, None] - before[:, None, :]).min(axis=(1, 2))
+                apart &= (distance[:, few - 1] < between / 3) & (distance[:, few] > between * 2 / 3)
+            nearest.append(roots[:, :few])
+        return tuple(nearest), apart
+
+    def delta(self, sigma: ComplexArray, decaying: Sequence[ComplexArray], *symbols: Array) -> Rounded:
+        """Delta of these solutions, with what rounding may have made of it."""
+        powers = self._powers(sigma, symbols)
+        moduli = [[np.abs(each) for each in table] for table in powers]
+        matrix, size = self._matrix(decaying, powers, len(sigma))
+        order, operations, terms_size = len(self.rows), 4 * len(self.rows), np.zeros_like(size)
+        columns = self._columns([np.abs(each).astype(complex) for each in decaying], len(sigma))
+        for i, row in enumerate(self.rows):
+            for block, n, terms in row:
+                share = terms.moduli.at(moduli, len(sigma)).real * columns[block][n].real
+                terms_size[i] += share.sum(axis=0)
+                operations = max(operations, terms.operations + 4 * n + 4 * order)
+        # The rows are scaled to sums of moduli of at most 1, and so no cofactor is above 1.
+        with np.errstate(all="ignore"):
+            relative = (terms_size / size).sum(axis=0)
+            scale = np.log2(size).sum(axis=0)
+        determinant = np.linalg.det(np.ascontiguousarray(matrix.transpose(2, 0, 1)))
+        return Rounded(np.abs(determinant), scale, operations * 2.0**-53 * relative)
 
     def _determinant(
         self, roots: Sequence[ComplexArray], powers: Sequence[Sequence[ComplexArray]], points: int
     ) -> ComplexArray:
+        matrix, _ = self._matrix(roots, powers, points)
+        return np.asarray(np.linalg.det(np.ascontiguousarray(matrix.transpose(2, 0, 1))), complex)
+
+    def _columns(self, roots: Sequence[ComplexArray], points: int) -> list[ComplexArray]:
         # Points run along the last axis: the others are a few numbers long.
         columns = []
         for family, zeros, count in self.blocks:
             mine = np.concatenate([np.zeros((zeros, points), complex), roots[family].T])
             columns.append(_newton(mine, count))
+        return columns
+
+    def _matrix(
+        self, roots: Sequence[ComplexArray], powers: Sequence[Sequence[ComplexArray]], points: int
+    ) -> tuple[ComplexArray, Array]:
+        """The closure on the solutions, (rows, columns, N), and what each row was divided by."""
+        columns = self._columns(roots, points)
         first = np.cumsum([0, *(c.shape[1] for c in columns)])
         matrix = np.zeros((len(self.rows), int(first[-1]), points), complex)
         size = np.zeros((len(self.rows), points))
@@ -105,7 +205,7 @@ class Sampled:
                 matrix[i, first[block] : first[block + 1]] += share
                 size[i] += np.abs(share).sum(axis=0)
         matrix /= np.where(size > 0, size, 1)[:, None]
-        return np.asarray(np.linalg.det(np.ascontiguousarray(matrix.transpose(2, 0, 1))), complex)
+        return matrix, size
 
 
 def sampled(problem: NormalModeProblem) -> Sampled:
@@ -129,7 +229,7 @@ def sampled(problem: NormalModeProblem) -> Sampled:
     every += [t for t in irrational if isinstance(t, _Terms)]
     highest = np.max([t.exponents.max(axis=0, initial=0) for t in every], axis=0)
     blocks = tuple((b.family, b.zeros, max(1, longest(problem.rows, k))) for k, b in enumerate(problem.blocks))
-    return Sampled(families, blocks, tuple(rows), tuple(irrational), tuple(int(h) for h in highest))
+    return Sampled(families, blocks, tuple(rows), tuple(irrational), tuple(int(h) for h in highest), problem.variable)
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,6 +244,16 @@ class Coefficients:
         highest = np.max([t.exponents.max(axis=0, initial=0) for t in self.powers], axis=0)
         tables = [_powers(np.asarray(v, complex), int(h)) for v, h in zip(symbols, highest[1:], strict=False)]
         return np.stack([terms.at([[], *tables], points) for terms in self.powers], axis=1)
+
+    def sizes(self, *symbols: Array) -> Array:
+        """The sums of the moduli of the terms of every coefficient: what its rounding is relative to."""
+        moduli = Coefficients(tuple(terms.moduli for terms in self.powers))
+        return np.asarray(moduli.at(*(np.abs(each) for each in symbols)).real)
+
+    @property
+    def operations(self) -> int:
+        """Roundings that a coefficient's terms go through at most, those of the symbols included."""
+        return max(terms.operations for terms in self.powers)
 
 
 def polynomial_of(problem: NormalModeProblem, polynomial: fmpz_mpoly) -> Coefficients:
@@ -192,11 +302,11 @@ def _newton(roots: ComplexArray, count: int) -> ComplexArray:
 
 
 def _split(
-    family: _Family, powers: Sequence[Sequence[ComplexArray]], sigma: ComplexArray
+    family: _Family, powers: Sequence[Sequence[ComplexArray]], towards: ComplexArray
 ) -> tuple[ComplexArray, ComplexArray]:
     """The spatial roots: those that decay, or leave the circle inwards, (N, decaying), and the others."""
-    points, few = len(sigma), family.decaying
-    coefficients = np.stack([terms.at(powers, points) for terms in family.powers], axis=1)
+    few = family.decaying
+    coefficients = np.stack([terms.at(powers, len(towards)) for terms in family.powers], axis=1)
     roots = all_roots(coefficients)
     if few in (0, roots.shape[1]):
         return roots[:, :few], roots[:, few:]
@@ -206,20 +316,20 @@ def _split(
         close = np.flatnonzero(~((ascending[:, few - 1] < -CLEAR) & (ascending[:, few] > CLEAR)))
         if len(close):
             some = [[each[close] for each in table] for table in powers]
-            key[close] = _told(family, some, sigma[close], coefficients[close], roots[close], key[close])
+            key[close] = _told(family, some, towards[close], coefficients[close], roots[close], key[close])
     ordered = np.take_along_axis(roots, np.argsort(key, axis=1), axis=1)
     return ordered[:, :few], ordered[:, few:]
 
 
 def _told(
-    family: _Family, powers: Sequence[Sequence[ComplexArray]], sigma: ComplexArray, coefficients: ComplexArray,
+    family: _Family, powers: Sequence[Sequence[ComplexArray]], towards: ComplexArray, coefficients: ComplexArray,
     roots: ComplexArray, key: Array,
 ) -> Array:  # fmt: skip
     """log(abs(kappa)); where that is zero to rounding, a number as small with the sign of the direction it takes."""
-    steps = np.stack([_derivative(terms).at(powers, len(sigma)) for terms in family.powers], axis=1)
-    along = _horner(steps, roots) * sigma[:, None]
-    across = _horner(coefficients[:, 1:] * np.arange(1, coefficients.shape[1]), roots) * roots
-    size = _horner(np.abs(coefficients), np.abs(roots))
+    steps = np.stack([_derivative(terms).at(powers, len(towards)) for terms in family.powers], axis=1)
+    along = horner(steps, roots) * towards[:, None]
+    across = horner(coefficients[:, 1:] * np.arange(1, coefficients.shape[1]), roots) * roots
+    size = horner(np.abs(coefficients), np.abs(roots))
     blur = ROUNDINGS * 2.0**-52 * np.abs(size / across)
     return np.where(np.abs(key) < blur, np.sign((-along / across).real) * blur, key)
 
@@ -232,7 +342,7 @@ def _derivative(terms: _Terms) -> _Terms:
     return _Terms(terms.weights * powers, lowered)
 
 
-def _horner(coefficients: NDArray[Any], x: NDArray[Any]) -> NDArray[Any]:
+def horner(coefficients: NDArray[Any], x: NDArray[Any]) -> NDArray[Any]:
     """Polynomials (N, n + 1) at their own points (N, k)."""
     value = np.zeros_like(x)
     for k in reversed(range(coefficients.shape[1])):

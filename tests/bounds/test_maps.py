@@ -104,6 +104,30 @@ class TestModuli:
     def test_half_lines(self, interior: str, closure: str) -> None:
         self.agrees(radius_map(half_line(interior, CLOSURES[closure]), {}, None, [0.05, 0.4, 0.9, 1.7]))
 
+    @pytest.mark.parametrize("interior", ["lax-wendroff", "lax-friedrichs", "backward-euler", "leapfrog"])
+    @pytest.mark.parametrize("closure", ["space-0", "space-2", "oblique-1", "one-sided", "box"])
+    def test_tiny_lam_where_delta_is_tiny_at_what_is_no_mode(self, interior: str, closure: str) -> None:
+        """Delta = (1 - kappa)**3 of a decaying solution is 1e-18 at lam = 1e-6: z = 1 is no mode of modulus 1."""
+        found = radius_map(half_line(interior, CLOSURES[closure]), {}, None, [1e-8, 1e-6, 1e-4, 1e-2])
+        assert found.known[0, -1]
+        self.agrees(found)
+
+    @pytest.mark.parametrize("interior", ["lax-wendroff", "leapfrog", "crank-nicolson"])
+    def test_nearly_multiple_roots(self, interior: str) -> None:
+        """(1 - 2 kappa)(1 - c kappa)(1 + kappa/2) with 1/c next to 1/2, and a triple kappa."""
+        for c in ("2 + 1/1000", "2 + 1/1000000", "2 + 1/1000000000", "2"):
+            third = "2" if c == "2" else "-1/2"
+            one, two, three = f"2 + ({c}) + ({third})", f"2*({c}) + (2 + ({c}))*({third})", f"2*({c})*({third})"
+            closure = f"u[0] = ({one})*u[1] - ({two})*u[2] + ({three})*u[3]"
+            self.agrees(radius_map(half_line(interior, closure), {}, None, [1e-6, 0.01, 0.3, 0.9]))
+
+    def test_ratios_of_eight_orders(self) -> None:
+        for name in ("traditional-2", "average-1"):
+            scheme = catalogue.find(name)
+            found = radius_map(scheme, scheme.values({}), parse_sweep("alpha=1e-8:1e8:9:log"), [1e-6, 0.4, 0.9])
+            assert found.known.all()
+            self.agrees(found)
+
     def test_a_wide_stencil_is_analysed_point_by_point(self) -> None:
         scheme = catalogue.find("lax-wendroff-order-8-oblique")
         found = radius_map(scheme, scheme.values({}), None, [0.4, 0.8, 1.2])
