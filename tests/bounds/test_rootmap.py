@@ -28,7 +28,7 @@ def kinds(found: RootMap, track: int) -> list[ModeKind | None]:
 
 def test_theorem_3_1_as_a_map() -> None:
     # (3.6): r = 1/2 +- i sqrt(alpha)/2 and z = 1 + lam (r - 1); a mode where abs(r) > 1, growing above alpha = 31/9.
-    found = load("traditional-1").roots(sweep="alpha=1:4:61")
+    found = load("traditional-1").roots(sweep="alpha=1:4:31")
     assert len(found.tracks) == 2 and found.has_r
     for track, sign in zip(found.tracks, (1, -1), strict=True):
         for value, point in zip(found.sweep.values, track.points, strict=True):
