@@ -302,6 +302,15 @@ def observe_mode(trace: Trace, blocks: int = 6) -> tuple[complex, Growth]:
     return z, Growth(rate, spread + drift + rate * ROUNDING, "mode", (0, steps))
 
 
+def departure(trace: Trace) -> float:
+    """How far the first step is from a multiple of the start, relative to itself: 0 for a mode, 1 for other data."""
+    import numpy
+
+    now, then = trace.values[0], trace.values[1] * 2.0 ** float(trace.exponents[1] - trace.exponents[0])
+    z = numpy.vdot(now, then) / numpy.vdot(now, now)
+    return float(numpy.linalg.norm(then - z * now) / numpy.linalg.norm(then))
+
+
 def exponent(logs: Array) -> tuple[float, float]:
     """(p, its 99 % half-width) of sizes ~ n**p after 0, 1, ... steps, from their natural logarithms.
 

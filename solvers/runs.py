@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 from gks.errors import NotAnalysable, ParameterError
 from gks.solvers.exponential import LARGEST_DENSE
 from gks.solvers.farends import cells_needed, steps_allowed
-from gks.solvers.growth import Growth, Trace, exponent, observe, observe_mode
+from gks.solvers.growth import Growth, Trace, departure, exponent, observe, observe_mode
 from gks.solvers.matrices import Layout, layout, onto_constraints
 from gks.solvers.problem import Problem, build
 from gks.solvers.seeds import LOCALISED, Seed, modes, near_slots, random_levels
@@ -257,8 +257,8 @@ def _marched(start: Seed) -> ModeMarch | None:
     if len(trace) < 3 or trace.log_sizes()[-1] == -math.inf:
         return None
     seen, growth = observe_mode(trace)
-    # From four steps on the scatter tells.
-    if steps >= 4 and growth.uncertainty > AGREEMENT * growth.rate:
+    # From four steps on the scatter tells; before, whether the first one leads to a multiple of the start.
+    if (growth.uncertainty / growth.rate if steps >= 4 else departure(trace)) > AGREEMENT:
         return None
     return ModeMarch(start, seen, growth, trace)
 

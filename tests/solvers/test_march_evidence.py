@@ -94,6 +94,13 @@ class TestAgreement:
         assert found.uncertainty == math.inf
         assert "reaches too far" in found.because
 
+    def test_a_mode_that_decays_within_three_steps_is_told_from_other_data(self) -> None:
+        """z = -0.0117 is R(lam s) for three s, and at two of them the vector that fits best is no mode."""
+        closure = '"dt(u[0]) = -3*u[0] + 4*u[1] - 2*u[2]"'
+        scheme = half_line("dt(u[i]) = (u[i-1] - u[i+1])/2", closure, first=1, time="ssprk3")
+        found = march(scheme, scheme.values({"lam": "9/20"}), steps=128)
+        assert found.agrees and found.told and found.method == "from the mode"
+
     def test_fast_waves_beside_slow_ones_are_no_growth(self) -> None:
         """Speeds 1 : 1e4, so that a thousand steps are a tenth of the slow side's time scale."""
         scheme = find("weighted-1-unequal")
