@@ -23,18 +23,22 @@ from gks.modes.kreiss import normal_mode_problem
 from gks.modes.verdict import Verdict
 from gks.scheme.model import Scheme
 
-CLOSE = 1e-9
-"""Relative distance from a critical value, known to about 1e-12, within which a point is left open."""
+BESIDE = (40, 34, 30, 24, 20)
+"""A critical value is held between verdicts at a distance of 2**-k, relative to it and then to the range, for the first
+k at which both are those of their intervals: how well it is known is found out and not assumed."""
 
 
 @dataclass(frozen=True, slots=True)
 class Along:
-    """The critical values in (low, high), ascending, and the verdict in each of the intervals that they leave.
+    """The critical values in (low, high), ascending, the distance to which each is known, and the verdict in each of
+    the intervals that they leave.
 
-    The verdicts are certified at one point of each interval; that the values are all there are is numerical.
+    The verdicts are certified at one point of each interval and at its ends; that the values are all there are is
+    numerical.
     """
 
     critical: tuple[float, ...]
+    errors: tuple[float, ...]
     verdicts: tuple[Verdict, ...]
 
     def at(self, points: Array) -> list[Verdict]:
@@ -43,13 +47,14 @@ class Along:
         return [self.verdicts[k] if k >= 0 else Verdict.UNDECIDED for k in place]
 
     def places(self, points: Array) -> Array:
-        """The number of the interval of each point, -1 next to a critical value."""
-        cuts = np.array(self.critical)
+        """The number of the interval of each point, -1 as near to a critical value as that is known."""
+        cuts, errors = np.array(self.critical), np.array(self.errors)
         if not len(cuts):
             return np.zeros(len(points), np.intp)
         place = np.searchsorted(cuts, points)
-        near = np.min([np.abs(points - cuts[np.clip(place - k, 0, len(cuts) - 1)]) for k in (0, 1)], axis=0)
-        return np.where(near < CLOSE * np.abs(points), -1, place)
+        beside = [np.clip(place - k, 0, len(cuts) - 1) for k in (0, 1)]
+        near = np.any([np.abs(points - cuts[k]) <= errors[k] for k in beside], axis=0)
+        return np.where(near, -1, place)
 
 
 def verdicts_along(scheme: Scheme, values: Mapping[str, Fraction], name: str, low: Fraction, high: Fraction) -> Along:
@@ -68,14 +73,36 @@ def verdicts_along(scheme: Scheme, values: Mapping[str, Fraction], name: str, lo
     if found.open_ is not None or found.always is not None:
         raise NotAnalysable(found.open_ or f"Delta vanishes at z = {found.always} for every {name}")
     ends = [float(low), *found.lams, float(high)]
-    return Along(found.lams, tuple(_between(scheme, values, name, ends)))
+    verdicts = _between(scheme, values, name, ends)
+    for (a, b), verdict in zip(pairwise(ends), verdicts, strict=True):
+        for value in found.unseen_between(a, b):
+            if _verdict(scheme, values, name, value) not in (verdict, Verdict.UNDECIDED):
+                raise NotAnalysable(f"the verdict at {name} = {value:.12g} is not that of its interval")
+    errors = tuple(_error(scheme, values, name, ends[k : k + 3], verdicts[k : k + 2]) for k in range(len(found.lams)))
+    return Along(found.lams, errors, tuple(verdicts))
+
+
+def _error(
+    scheme: Scheme, values: Mapping[str, Fraction], name: str, around: Sequence[float], verdicts: Sequence[Verdict]
+) -> float:
+    """The distance from the middle value at which the verdicts on either side are had; NotAnalysable where none is."""
+    low, cut, high = around
+    sizes = (abs(cut), high - low)
+    for step in sorted(size * 2.0**-k for size in sizes for k in BESIDE):
+        if 0 < step < min(cut - low, high - cut) / 2 and all(
+            _verdict(scheme, values, name, cut + side * step) is verdict
+            for side, verdict in zip((-1, 1), verdicts, strict=True)
+        ):
+            return step
+    raise NotAnalysable(f"the critical value near {name} = {cut:.12g} was not confirmed")
 
 
 def _between(scheme: Scheme, values: Mapping[str, Fraction], name: str, ends: Sequence[float]) -> list[Verdict]:
-    verdicts = []
-    for a, b in pairwise(ends):
-        try:
-            verdicts.append(quick_verdict(scheme, {**values, name: Fraction((a + b) / 2)}))
-        except InputError:
-            verdicts.append(Verdict.UNDECIDED)
-    return verdicts
+    return [_verdict(scheme, values, name, (a + b) / 2) for a, b in pairwise(ends)]
+
+
+def _verdict(scheme: Scheme, values: Mapping[str, Fraction], name: str, value: float) -> Verdict:
+    try:
+        return quick_verdict(scheme, {**values, name: Fraction(value)})
+    except InputError:
+        return Verdict.UNDECIDED

@@ -6,7 +6,8 @@ zero; any other is divided, down to a size from which Newton's method in the two
 z = -1, where Delta is real, are searched for changes of sign.
 
 What is found this way is not proved to be all there is: a pair of zeros closer together than the boxes that were passed
-over could hide in one. Certified verdicts stand on either side of what is found (`gks.bounds.wideset`).
+over could hide in one. Certified verdicts stand on either side of what is found (`gks.bounds.wideset`), and where
+doubles see nothing.
 """
 
 from __future__ import annotations
@@ -36,25 +37,41 @@ are compared, and a zero inside would make it at least 1."""
 MOST_BOXES = 60_000
 """Boxes looked at before giving up: some ten seconds for the widest schemes."""
 VANISHING = 1e-9
-"""abs(Delta), each row measured by its terms, below which it is zero to rounding: seven digits are left for
-cancellation in the determinant and for spatial roots that are close together."""
-
-
+"""abs(Delta), each row measured by its terms, at which Newton's method is taken to have reached a zero. What is no zero
+and as small adds a cut with one verdict on both sides, which is harmless or left open; the zeros that it loses have
+values above it to rounding, 1e-16 times a condition of 1e7, and a box that began near one leaves the search open."""
+STEP = 1e-6
+"""Of the central differences, in logarithms: near the cube root of the rounding unit, where truncation and rounding
+balance. The slopes, right to about 1e-10, set how fast Newton's method converges and not where to."""
 SETTLED = 2.0**-48
-"""Steps of Newton's method in (tau, v) below which rounding moves them."""
+"""Steps of Newton's method in (tau, v) below which rounding moves them: 32 units."""
 NOISE = 2.0**-44
-"""abs(Delta) below which its sign is rounding: (1 - kappa)**3 of an extrapolation is 1e-18 at lam = 1e-6."""
+"""abs(Delta) below which its sign may be rounding: 512 units, for rows of so many operations and spatial roots that are
+off by as much. (1 - kappa)**3 of an extrapolation is 1e-18 at lam = 1e-6, and a change of sign is not seen there: such
+stretches are ``unseen``, and a certified verdict has to speak for them."""
+MERGED = 1e-11
+"""Relative distance of values of lam that count as one: Newton's method from several boxes ends a few roundings times
+a condition apart. Two crossings that are merged hide what is between, 1e-11 long; verdicts beside the cut still hold
+for what is beyond (`gks.bounds.wideset`, `gks.bounds.along`)."""
+BEYOND = 2.0**-30
+"""Fraction of what is left at either end at which a verdict is asked for: a mode that crosses there, once, farther in
+than 2e-15 of the interval, is noticed."""
 
 
 @dataclass(frozen=True, slots=True)
 class Crossings:
     """The critical lam, ascending. ``open_``: why the search was not finished, if so. ``always``: z = 1 or z = -1 that
-    is a zero for every lam.
+    is a zero for every lam. ``unseen``: lam, ascending, from the stretches that were not searched or where Delta at
+    z = 1 or -1 is too small for its sign: a crossing may be missing where the verdict there is not the interval's.
     """
 
     lams: tuple[float, ...]
     open_: str | None
     always: int | None
+    unseen: tuple[float, ...] = ()
+
+    def unseen_between(self, low: float, high: float) -> list[float]:
+        return [lam for lam in self.unseen if low < lam < high]
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,6 +85,12 @@ class _Axis:
         if np.isinf(self.high):
             return np.asarray(self.low + np.exp(v))
         return np.asarray(self.low + (self.high - self.low) / (1 + np.exp(-v)))
+
+    def beyond(self) -> list[float]:
+        """Places beyond both ends of the search."""
+        first, last = (float(x) for x in self.lam(np.array([-ENDS, ENDS])))
+        start = self.low + (first - self.low) * BEYOND
+        return [start, last / BEYOND if np.isinf(self.high) else self.high - (self.high - last) * BEYOND]
 
 
 ENDS = 13.0
@@ -85,19 +108,20 @@ def crossings(delta: Delta, low: float, high: float) -> Crossings:
     if boxes is None:
         return Crossings((), "the modes that cross the unit circle are too many to be traced", None)
     inner, open_ = _polished(delta, axis, boxes)
-    lams = sorted([*(lam for each in real if each is not None for lam in each), *inner])
-    return Crossings(tuple(_distinct(lams)), open_, None)
+    lams = sorted([*(lam for each in real if each is not None for lam in each.lams), *inner])
+    dark = {lam for each in real if each is not None for lam in each.unseen}
+    return Crossings(tuple(_distinct(lams)), open_, None, tuple(sorted({*dark, *axis.beyond()})))
 
 
 def _distinct(lams: list[float]) -> list[float]:
     kept: list[float] = []
     for lam in lams:
-        if not kept or lam - kept[-1] > 1e-11 * lam:
+        if not kept or lam - kept[-1] > MERGED * abs(lam):
             kept.append(lam)
     return kept
 
 
-def _at_end(delta: Delta, axis: _Axis, z: float) -> list[float] | None:
+def _at_end(delta: Delta, axis: _Axis, z: float) -> Crossings | None:
     """Changes of sign of the real Delta at z = 1 or -1; None where it is zero throughout."""
     v = np.linspace(-ENDS, ENDS, 1 + int(ENDS / FIRST) * 32)
 
@@ -109,8 +133,9 @@ def _at_end(delta: Delta, axis: _Axis, z: float) -> list[float] | None:
         return None
     turned = (np.sign(heights[1:]) != np.sign(heights[:-1])) & np.isfinite(heights[1:] * heights[:-1])
     changes = np.flatnonzero(turned & (np.maximum(np.abs(heights[1:]), np.abs(heights[:-1])) > NOISE))
+    dark = tuple(float(lam) for lam in axis.lam(_darkness(v, ~(np.abs(heights) > NOISE))))
     if not len(changes):
-        return []
+        return Crossings((), None, None, dark)
     a, b = v[changes], v[changes + 1]
     side = np.sign(heights[changes])
     for _ in range(60):
@@ -118,7 +143,15 @@ def _at_end(delta: Delta, axis: _Axis, z: float) -> list[float] | None:
         same = np.sign(value(middle)) == side
         a, b = np.where(same, middle, a), np.where(same, b, middle)
     # A pole or a jump changes sign as well.
-    return [float(axis.lam(np.array([x]))[0]) for x, h in zip(b, np.abs(value(b)), strict=True) if h < 2.0**-20]
+    kept = b[np.abs(value(b)) < 2.0**-20]
+    return Crossings(tuple(float(lam) for lam in axis.lam(kept)), None, None, dark)
+
+
+def _darkness(v: Array, dark: NDArray[np.bool_]) -> Array:
+    """The first, the middle and the last place of each stretch."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], dark, [False]]).astype(int)))
+    first, last = edges[::2], edges[1::2] - 1
+    return np.asarray(v[np.unique(np.concatenate([first, (first + last) // 2, last]))])
 
 
 def _z(tau: Array) -> ComplexArray:
@@ -190,10 +223,10 @@ def _polished(delta: Delta, axis: _Axis, centres: NDArray[np.float64]) -> tuple[
     def value(at: NDArray[np.float64]) -> ComplexArray:
         return delta(_z(at[:, 0]), axis.lam(at[:, 1]))
 
-    at, step = centres.copy(), 1e-6
+    at = centres.copy()
     for _ in range(30):  # most boxes are there in five; from one that holds no zero the steps wander off
         here = value(at)
-        ahead = [(value(at + step * e) - value(at - step * e)) / (2 * step) for e in np.eye(2)]
+        ahead = [(value(at + STEP * e) - value(at - STEP * e)) / (2 * STEP) for e in np.eye(2)]
         across = ahead[0].real * ahead[1].imag - ahead[0].imag * ahead[1].real
         with np.errstate(all="ignore"):
             move = np.stack(

@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from itertools import pairwise
+from typing import TYPE_CHECKING
 
 from gks.bounds.cfl import Limit
 from gks.bounds.located import Located, Span, close_to, nothing_said
@@ -24,6 +25,9 @@ from gks.modes.kreiss import NormalModeProblem, normal_mode_problem
 from gks.modes.unimodular import simplest_between
 from gks.modes.verdict import Verdict
 from gks.scheme.model import Scheme
+
+if TYPE_CHECKING:
+    from gks.bounds.crossings import Crossings
 
 BESIDE = (40, 34, 30)
 """An end is held between verdicts at (1 - 2**-k) and (1 + 2**-k) times it, for the first k at which both are had."""
@@ -114,9 +118,9 @@ def _traced(
     if found.always is not None:
         return _never(scheme, values, middle, found.always)
     cuts = [Fraction(lam) for lam in found.lams]
-    verdicts = [_verdict(scheme, values, _between(a, b)) for a, b in pairwise([bottom, *cuts, top])]
-    if None in verdicts:
-        return "the verdict between two crossings is undecided"
+    verdicts = _decided(scheme, values, found, [bottom, *cuts, top])
+    if isinstance(verdicts, str):
+        return verdicts
     spans: list[Span] = []
     error = 0.0
     for k, (a, b) in enumerate(pairwise([bottom, *cuts, top])):
@@ -131,6 +135,22 @@ def _traced(
                 return f"the end of a stable interval near lam = {float(cut):.12g} was not confirmed"
             error = max(error, held)
     return spans, error
+
+
+def _decided(
+    scheme: Scheme, values: Mapping[str, Fraction], found: Crossings, ends: Sequence[Fraction | None]
+) -> list[bool] | str:
+    """The verdict in every interval between the crossings, which has to hold where none could be seen as well."""
+    verdicts: list[bool] = []
+    for a, b in pairwise(ends):
+        verdict = _verdict(scheme, values, _between(a, b))
+        if verdict is None:
+            return "the verdict between two crossings is undecided"
+        for lam in found.unseen_between(float(a or 0), float("inf") if b is None else float(b)):
+            if _verdict(scheme, values, Fraction(lam)) is (not verdict):
+                return f"the verdict at lam = {lam:.3g} is not that of its interval: a crossing too small to be traced"
+        verdicts.append(verdict)
+    return verdicts
 
 
 def _never(scheme: Scheme, values: Mapping[str, Fraction], lam: Fraction, z: int) -> tuple[list[Span], float] | str:

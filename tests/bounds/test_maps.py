@@ -187,6 +187,26 @@ class TestIndependentPoints:
         points = np.array([0.5, 2.999, 3.0, 3.001])
         assert found.at(points) == [Verdict.STABLE, Verdict.STABLE, Verdict.UNDECIDED, Verdict.UNSTABLE]
 
+    @pytest.mark.parametrize("interior", ["lax-wendroff", "lax-friedrichs", "backward-euler"])
+    @pytest.mark.parametrize("closure", ["u[0] = p*u[1] - (p - 1)*u[2]", "u[0, n+1] = p*u[1] - (p - 1)*u[0]"])
+    @pytest.mark.parametrize("lam", ["1/2", "1/1000000"])
+    def test_next_to_a_critical_value_nothing_wrong_is_said(self, interior: str, closure: str, lam: str) -> None:
+        """Critical values 0 and -2e-6 among them, known to 1e-10 only at the small lam."""
+        plain = half_line(interior, "u[0] = u[1]").text
+        text = plain.replace('default = "1/2" }', 'default = "1/2" }\np = "7/9"').replace("u[0] = u[1]", closure)
+        scheme = parse_scheme(text, "one parameter")
+        values = scheme.values({"lam": lam})
+        found = verdicts_along(scheme, values, "p", Fraction(-3), Fraction(5))
+        assert found.critical
+        distances = (0.0, 1e-16, 1e-13, 1e-11, 1e-10, 1e-9, 1e-6)
+        points = [c + side * d for c in found.critical for d in distances for side in (-1, 1)]
+        told = found.at(np.array(points))
+        for point, verdict in zip(points, told, strict=True):
+            if verdict is not Verdict.UNDECIDED:
+                assert verdict is quick_verdict(scheme, {**values, "p": Fraction(point)})
+        assert Verdict.UNDECIDED not in found.at(np.array([c + 1e-8 for c in found.critical]))
+        assert found.at(np.array(found.critical)) == [Verdict.UNDECIDED] * len(found.critical)
+
     def test_a_speed_that_changes_its_sign_with_lam_is_refused(self) -> None:
         with pytest.raises(NotAnalysable, match="changes its sign with lam"):
             verdicts_at(upwind_flux("1 - 2*lam"), {}, {"lam": np.array([0.25, 0.75])})

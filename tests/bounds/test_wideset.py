@@ -208,6 +208,24 @@ def test_crossings_of_a_delta_with_known_ones(zeros: list[tuple[float, float]]) 
     np.testing.assert_allclose(found.lams, sorted(at for _, at in zeros), rtol=1e-11)
 
 
+@pytest.mark.parametrize("extrapolated", [0, 1, 2, 3])
+@pytest.mark.parametrize("lam", ["1/10", "1/1000", "1/100000", "1/10000000", "1/1000000000"])
+def test_a_crossing_too_small_for_doubles_leaves_the_set_open(extrapolated: int, lam: str) -> None:
+    """(1 - kappa)**n (1 - kappa/c) with c = (1 - lam)/(1 + lam): z = 1 for Lax-Friedrichs, unstable below that lam."""
+    c = (1 - Fraction(lam)) / (1 + Fraction(lam))
+    factors = [Fraction(1)]
+    for root in [Fraction(1)] * extrapolated + [1 / c]:
+        factors = [x - root * y for x, y in zip([*factors, Fraction(0)], [Fraction(0), *factors], strict=True)]
+    closure = " + ".join(f"({-a})*u[{k}]" for k, a in enumerate(factors) if k)
+    found = wide_stable_set(half_line("lax-friedrichs", f"u[0] = {closure}"), {})
+    if found.undecided is None:
+        ((low, high),) = found.intervals
+        assert abs(low - Fraction(lam)) <= Fraction(found.error) * Fraction(lam)
+        assert high == 1
+    else:
+        assert found.intervals == ()
+
+
 def test_a_crossing_is_where_the_verdict_changes() -> None:
     scheme = beam_warming(5, 3, Fraction(1, 2))
     (low, high), *_ = wide_stable_set(scheme, {}).intervals
