@@ -47,6 +47,7 @@ ACCURACY = 2.0**-64
 FEWEST, MOST, PLAIN = 8, 60, 24
 """Grid points shown a side: as many as the mode needs to fall to FADED, within these; PLAIN where it does not fall."""
 FADED = 1e-3
+"""A thousandth, less than a line is wide in a picture: a choice of how many values are shown; none depends on it."""
 LARGEST = 100_000
 """Grid points a side that may be asked for."""
 
