@@ -53,6 +53,12 @@ def messages(
             child.kill()
 
 
+def bare(error: GksError) -> GksError:
+    """The error without what it came through, which means nothing in another process."""
+    error.__cause__ = error.__context__ = None
+    return error.with_traceback(None)
+
+
 def environment() -> dict[str, str]:
     """This process's environment, with its import path: what a fresh interpreter needs to import the same program."""
     return {**os.environ, "PYTHONPATH": os.pathsep.join(p or os.getcwd() for p in sys.path)}
@@ -127,7 +133,7 @@ def child() -> None:
     try:
         result = job(*arguments, lambda message: send(target, ("message", message)))
     except GksError as error:
-        send(target, ("error", error))
+        send(target, ("error", bare(error)))
         return
     if result is not None:
         send(target, ("message", result))

@@ -12,7 +12,7 @@ import sys
 import threading
 from collections.abc import Iterator, Sequence
 
-from gks.bounds.subprocessing import Clock, Job, messages, received, send
+from gks.bounds.subprocessing import Clock, Job, bare, messages, received, send
 from gks.errors import GksError
 
 PATIENCE = 60.0
@@ -96,7 +96,7 @@ def _run(job: Job, arguments: Sequence[object], target: int, limit: float) -> No
             try:
                 job(*arguments, report)
             except GksError as error:
-                send(stream, ("error", error))
+                send(stream, ("error", bare(error)))
             else:
                 send(stream, ("end", None))
         status = 0

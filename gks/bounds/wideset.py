@@ -147,7 +147,7 @@ def _decided(
         if verdict is None:
             return "the verdict between two crossings is undecided"
         for lam in found.unseen_between(float(a or 0), float("inf") if b is None else float(b)):
-            if _verdict(scheme, values, Fraction(lam)) is (not verdict):
+            if _verdict(scheme, values, Fraction(lam), at_length=False) is (not verdict):
                 return f"the verdict at lam = {lam:.3g} is not that of its interval: a crossing too small to be traced"
         verdicts.append(verdict)
     return verdicts
@@ -166,10 +166,12 @@ def _between(a: Fraction | None, b: Fraction | None) -> Fraction:
     return 2 * a + 1 if b is None else simplest_between((2 * a + b) / 3, (a + 2 * b) / 3)
 
 
-def _verdict(scheme: Scheme, values: Mapping[str, Fraction], lam: Fraction) -> bool | None:
-    """Stable or not at one lam where the interior is; None where that is undecided."""
+def _verdict(scheme: Scheme, values: Mapping[str, Fraction], lam: Fraction, *, at_length: bool = True) -> bool | None:
+    """Stable or not at one lam where the interior is; None where that is undecided. ``at_length`` is that of
+    `quick_verdict`.
+    """
     try:
-        verdict = quick_verdict(scheme, {**values, scheme.cfl: lam})
+        verdict = quick_verdict(scheme, {**values, scheme.cfl: lam}, at_length=at_length)
     except InputError:
         return None
     return None if verdict is Verdict.UNDECIDED else verdict is Verdict.STABLE

@@ -20,7 +20,7 @@ from gks.modes.kreiss import NormalModeProblem, normal_mode_problem, require_squ
 from gks.modes.numerals import modulus_of, text_real
 from gks.modes.order import multiplicity
 from gks.modes.polynomial import Degenerate, Elimination, Factor, TooWide, characteristic_factors
-from gks.modes.route import beyond_elimination
+from gks.modes.route import beyond_elimination, laborious
 from gks.modes.solvable import degenerate_closure, determines_next_level, independent_at_sample
 from gks.modes.undecided import Undecided
 from gks.modes.verdict import Mode, ModeKind, ModesResult, Reason, Verdict, text_modulus
@@ -72,15 +72,16 @@ def _interior(problem: NormalModeProblem) -> tuple[str | None, str | None]:
         return None, str(open_question)
 
 
-def quick_verdict(scheme: Scheme, values: Mapping[str, Fraction | Root]) -> Verdict:
+def quick_verdict(scheme: Scheme, values: Mapping[str, Fraction | Root], *, at_length: bool = True) -> Verdict:
     """The verdict alone, with no mode inside the circle looked at; a value may be algebraic.
 
-    The interior is taken to be Cauchy-stable at these values: the caller has asked.
+    The interior is taken to be Cauchy-stable at these values: the caller has asked. Without ``at_length`` what the
+    count of zeros leaves open stays so where elimination would take long.
     """
     problem = normal_mode_problem(scheme, values)
     if not determines_next_level(problem):
         return Verdict.UNSTABLE
-    found = _modes_found(problem, inner=False)
+    found = _modes_found(problem, inner=False, at_length=at_length)
     return _judge(None, True, found.modes, found.doubts)[0]
 
 
@@ -140,12 +141,15 @@ def _modes_beside(interior: str | None, problem: NormalModeProblem) -> _Found:
     return _Found(modes, doubts, not doubts, "exact")
 
 
-def _modes_found(problem: NormalModeProblem, *, inner: bool = True) -> _Found:
+def _modes_found(problem: NormalModeProblem, *, inner: bool = True, at_length: bool = True) -> _Found:
     """By elimination, or by counting zeros where there are too many roots to judge each, or the scheme is too wide.
 
     What the count leaves open the elimination decides after all, where it can be done.
     """
     eliminable = problem.coupled or not beyond_elimination(problem)
+    if eliminable and laborious(problem):
+        counted = _counted(problem, inner=inner)
+        return counted if counted.certified or not at_length else _eliminated(problem, inner=inner)
     if eliminable:
         try:
             found = _eliminated(problem, inner=inner, most=MANY_ROOTS)
