@@ -6,6 +6,10 @@ far the spatial roots are off, and by the rounding of the determinant: the root 
 to zero within those. It is one if Delta is smaller there than on a whole circle around it that no other root is in:
 then Delta has a zero inside (the minimum modulus principle; poles do no harm), all zeros of Delta are roots of the
 polynomial, and this is the only one. All else is in doubt.
+
+Inside the unit circle other solutions may decay than outside. There is a mode where they outnumber the closure's
+equations, and none where the closure's matrix has full rank on them: its smallest singular value does not come down to
+zero within the same bounds.
 """
 
 from __future__ import annotations
@@ -33,12 +37,14 @@ rounding unit. One that is too large for the spatial roots, or too small for the
 @dataclass(frozen=True, slots=True)
 class Judged:
     """At N roots: ``mode`` where Delta has a zero, ``unsure`` where that is not told; ``limit``: the modes whose
-    solutions are not seen to decay, and stand for the limits of some that do.
+    solutions are not seen to decay, and stand for the limits of some that do; ``expected``: certainly as many of every
+    family decay as outside the unit circle.
     """
 
     mode: Mask
     unsure: Mask
     limit: Mask
+    expected: Mask
 
 
 def judged(
@@ -62,12 +68,14 @@ def judged(
     away = here.modulus > 2 * change + here.rounding
     decays = widest + drift < 1
     may_decay = ~(widest - drift > 1) | on_circle
-    # Inside the unit circle more solutions than that may decay, and then some of them satisfy the closure.
-    more, may_more = others + drift < 1, ~(others - drift > 1) & ~on_circle
-    finite = np.isfinite(sigma)
+    # Inside the unit circle more solutions than that may decay, or fewer.
+    finite, may_more = np.isfinite(sigma), ~(others - drift > 1) & ~on_circle
+    fewer = (widest - drift > 1) & ~on_circle & ~away
+    surplus, doubt = _of_those_inside(compiled, sigma, radii, found, (may_more | fewer) & finite, symbols)
     zero = _zero_inside(compiled, sigma, spread, gap, (found, here), may_decay & ~away & finite, symbols)
-    mode = (decays | on_circle) & (zero | (more & ~on_circle)) & finite
-    return Judged(mode, may_decay & (~away | may_more) & finite & ~mode, mode & ~decays)
+    mode = ((decays | on_circle) & zero & ~may_more & finite) | surplus
+    unsure = (may_decay & ~away & ~may_more & finite & ~mode) | doubt
+    return Judged(mode, unsure, mode & ~decays & on_circle, decays & ~may_more)
 
 
 def _zero_inside(
@@ -92,6 +100,42 @@ def _zero_inside(
             inside[at] = smaller
         radius = radius * SMALLER
     return inside
+
+
+def _of_those_inside(
+    compiled: Sampled, sigma: ComplexArray, radii: Array, found: Values, asked: Mask, symbols: Sequence[Array]
+) -> tuple[Mask, Mask]:
+    """Where the solutions that do decay outnumber the closure, and where it is not told that it has full rank on them;
+    ``found`` is at the roots.
+    """
+    surplus, doubt = np.zeros(len(sigma), bool), asked.copy()
+    at = np.flatnonzero(asked)
+    if not len(at):
+        return surplus, doubt
+    sigma, symbols, roots = sigma[at], [each[at] for each in symbols], _ascending(found.take(at))
+    spread = radii[at] + ROUNDINGS * 2 * UNIT * compiled.reach(sigma, roots, *symbols)
+    places = [sigma + spread * direction * _outwards(compiled, sigma) for direction in (1, 1j)]
+    beside = [_ascending(compiled.at(place, *symbols)) for place in places]
+    told = np.ones(len(at), bool)
+    for k, mine in enumerate(roots):
+        drift = sum(np.abs(np.abs(each[k]) - np.abs(mine)) for each in beside)
+        told &= (np.abs(np.abs(mine) - 1) > drift).all(axis=1)
+    counts = np.stack([(np.abs(mine) < 1).sum(axis=1) for mine in roots], axis=1)
+    for combination in np.unique(counts[told], axis=0).tolist():
+        some = np.flatnonzero(told & (counts == combination).all(axis=1))
+        if compiled.surplus(combination):
+            surplus[at[some]], doubt[at[some]] = True, False
+            continue
+        kept, *moved = ([x[some, :n] for x, n in zip(e, combination, strict=True)] for e in (roots, *beside))
+        around = [(place[some], each) for place, each in zip(places, moved, strict=True)]
+        doubt[at[some]] = ~compiled.full_rank(sigma[some], kept, around, *(each[some] for each in symbols))
+    return surplus, doubt
+
+
+def _ascending(found: Values) -> list[ComplexArray]:
+    """All spatial roots of every family, the moduli ascending."""
+    every = [np.concatenate(pair, axis=1) for pair in zip(found.decaying, found.others, strict=True)]
+    return [np.take_along_axis(x, np.argsort(np.abs(x), axis=1), axis=1) for x in every]
 
 
 def _outwards(compiled: Sampled, sigma: ComplexArray) -> ComplexArray:

@@ -161,21 +161,59 @@ class Sampled:
     def delta(self, sigma: ComplexArray, decaying: Sequence[ComplexArray], *symbols: Array) -> Rounded:
         """Delta of these solutions, with what rounding may have made of it."""
         powers = self._powers(sigma, symbols)
-        moduli = [[np.abs(each) for each in table] for table in powers]
         matrix, size = self._matrix(decaying, powers, len(sigma))
-        order, operations, terms_size = len(self.rows), 4 * len(self.rows), np.zeros_like(size)
-        columns = self._columns([np.abs(each).astype(complex) for each in decaying], len(sigma))
-        for i, row in enumerate(self.rows):
-            for block, n, terms in row:
-                share = terms.moduli.at(moduli, len(sigma)).real * columns[block][n].real
-                terms_size[i] += share.sum(axis=0)
-                operations = max(operations, terms.operations + 4 * n + 4 * order)
         # The rows are scaled to sums of moduli of at most 1, and so no cofactor is above 1.
         with np.errstate(all="ignore"):
-            relative = (terms_size / size).sum(axis=0)
             scale = np.log2(size).sum(axis=0)
         determinant = np.linalg.det(np.ascontiguousarray(matrix.transpose(2, 0, 1)))
-        return Rounded(np.abs(determinant), scale, operations * 2.0**-53 * relative)
+        return Rounded(np.abs(determinant), scale, self._rounding(decaying, powers, size))
+
+    def surplus(self, counts: Sequence[int]) -> bool:
+        """Whether so many solutions of every family outnumber the closure's equations."""
+        return sum(zeros + counts[family] for family, zeros, _ in self.blocks) > len(self.rows)
+
+    def full_rank(
+        self, sigma: ComplexArray, roots: Sequence[ComplexArray],
+        around: Sequence[tuple[ComplexArray, Sequence[ComplexArray]]], *symbols: Array,
+    ) -> NDArray[np.bool_]:  # fmt: skip
+        """Where the closure certainly annihilates none of the solutions with these spatial roots, which are at most as
+        many as its equations. ``around``: places as far off as sigma may be, with the roots there.
+
+        A matrix loses rank by no change smaller than its smallest singular value (Eckart & Young).
+        """
+        powers = self._powers(sigma, symbols)
+        matrix, size = self._matrix(roots, powers, len(sigma))
+        if not matrix.shape[1]:
+            return np.ones(len(sigma), bool)
+        size = np.where(size > 0, size, 1)  # a row may have no solution of these
+        change = np.zeros(len(sigma))
+        for place, beside in around:
+            # The roots' own rounding moves them and not the closure.
+            for there in (self._powers(place, symbols), powers):
+                moved, _ = self._matrix(beside, there, len(sigma), size)
+                change += np.linalg.norm(moved - matrix, axis=(0, 1))
+        stacked = np.ascontiguousarray(matrix.transpose(2, 0, 1))
+        rounding = self._rounding(roots, powers, size)
+        good = np.isfinite(stacked).all(axis=(1, 2)) & np.isfinite(change + rounding)
+        least = np.zeros(len(sigma))
+        least[good] = np.linalg.svd(stacked[good], compute_uv=False)[:, -1]
+        # As of a determinant: the other half is for the curvature.
+        return np.asarray(good & (least > 2 * change + rounding) & (matrix.shape[1] <= matrix.shape[0]))
+
+    def _rounding(self, roots: Sequence[ComplexArray], powers: Sequence[Sequence[ComplexArray]], size: Array) -> Array:
+        """What the rounding of the rows divided by their sizes, and that of their elimination, adds up to."""
+        points = size.shape[1]
+        moduli = [[np.abs(each) for each in table] for table in powers]
+        order, operations, terms_size = len(self.rows), 4 * len(self.rows), np.zeros_like(size)
+        columns = self._columns([np.abs(each).astype(complex) for each in roots], points)
+        for i, row in enumerate(self.rows):
+            for block, n, terms in row:
+                share = terms.moduli.at(moduli, points).real * columns[block][n].real
+                terms_size[i] += share.sum(axis=0)
+                operations = max(operations, terms.operations + 4 * n + 4 * order)
+        with np.errstate(all="ignore"):
+            relative = (terms_size / size).sum(axis=0)
+        return np.asarray(operations * 2.0**-53 * relative)
 
     def _determinant(
         self, roots: Sequence[ComplexArray], powers: Sequence[Sequence[ComplexArray]], points: int
@@ -192,9 +230,12 @@ class Sampled:
         return columns
 
     def _matrix(
-        self, roots: Sequence[ComplexArray], powers: Sequence[Sequence[ComplexArray]], points: int
-    ) -> tuple[ComplexArray, Array]:
-        """The closure on the solutions, (rows, columns, N), and what each row was divided by."""
+        self, roots: Sequence[ComplexArray], powers: Sequence[Sequence[ComplexArray]], points: int,
+        divisors: Array | None = None,
+    ) -> tuple[ComplexArray, Array]:  # fmt: skip
+        """The closure on the solutions, (rows, columns, N), and what each row was divided by: the sum of the moduli of
+        its terms unless told.
+        """
         columns = self._columns(roots, points)
         first = np.cumsum([0, *(c.shape[1] for c in columns)])
         matrix = np.zeros((len(self.rows), int(first[-1]), points), complex)
@@ -204,6 +245,7 @@ class Sampled:
                 share = terms.at(powers, points) * columns[block][n]
                 matrix[i, first[block] : first[block + 1]] += share
                 size[i] += np.abs(share).sum(axis=0)
+        size = size if divisors is None else divisors
         matrix /= np.where(size > 0, size, 1)[:, None]
         return matrix, size
 

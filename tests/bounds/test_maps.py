@@ -27,7 +27,7 @@ from gks.errors import NotAnalysable, ParameterError
 from gks.modes.analysis import analyse, quick_verdict
 from gks.modes.verdict import ModeKind, Reason, Verdict
 from gks.scheme.schemefile import parse_scheme
-from tests.bounds.theorem_schemes import upwind_flux
+from tests.bounds.theorem_schemes import APART, upwind_flux
 from tests.examples import examples
 from tests.literature.closures import CLOSURES, half_line
 
@@ -127,6 +127,15 @@ class TestModuli:
             found = radius_map(scheme, scheme.values({}), parse_sweep("alpha=1e-8:1e8:9:log"), [1e-6, 0.4, 0.9])
             assert found.known.all()
             self.agrees(found)
+
+    def test_a_mode_where_fewer_solutions_decay_than_outside_the_circle(self) -> None:
+        lams = [0.05, 0.3, 0.45, 0.9]
+        found = radius_map(APART, {}, None, lams)
+        assert found.known[0, 0] and found.known[0, -1]
+        for k, lam in enumerate(lams):
+            modes = analyse(APART, {"lam": Fraction(lam)}).modes
+            largest = max((float(m.modulus) for m in modes if m.kind is not ModeKind.INADMISSIBLE), default=0.0)
+            assert not found.known[0, k] or found.radius[0, k] == pytest.approx(largest)
 
     def test_a_wide_stencil_is_analysed_point_by_point(self) -> None:
         scheme = catalogue.find("lax-wendroff-order-8-oblique")

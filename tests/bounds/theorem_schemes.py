@@ -119,3 +119,26 @@ equations = ["u[-1] = {closure}"]
 def upwind_flux(speed: str, closure: str = "u[0]") -> Scheme:
     """u_t + speed u_x = 0 on x > 0, first-order upwinding, whatever the sign of the speed."""
     return parse_scheme(_FLUX.format(speed=speed, closure=closure), "flux")
+
+
+APART = parse_scheme(
+    """
+title = "two half-lines that share no equation"
+[parameters]
+lam = { role = "cfl", default = "1/2" }
+[domains.L]
+side = "left"
+unknowns = ["v"]
+interior = ["v[i, n+1] = (v[i+1] + v[i-1])/2 + lam*3/4*(v[i+1] - v[i-1])/2"]
+first = 1
+[domains.R]
+side = "right"
+unknowns = ["u"]
+interior = ["u[i, n+1] = (u[i+1] + u[i-1])/2 + lam/2*(u[i+1] - u[i-1])"]
+first = 1
+[closure]
+equations = ["R.u[0, n+1] = R.u[1, n+1]*(3 - 4*lam)", "L.v[0, n+1] = 0"]
+""",
+    "apart",
+)
+"""Inside the unit circle no solution decays on the left: where R has a mode there are fewer than outside."""
