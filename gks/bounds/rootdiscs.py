@@ -85,6 +85,14 @@ def gaps(roots: ComplexArray, radii: Array) -> Array:
     return np.where(np.isnan(least), 0, least)
 
 
+def separations(roots: ComplexArray, radii: Array) -> Array:
+    """The distance (n,) of every one of n roots from the nearest other disc; 0 where another meets its own."""
+    away = np.abs(roots[:, None] - roots) - radii
+    away[away <= radii[:, None]] = 0
+    np.fill_diagonal(away, np.inf)
+    return np.asarray(away.min(axis=1, initial=np.inf))
+
+
 def rounded(polynomial: Coefficients, *symbols: Array) -> RoundedPolynomials:
     """The polynomials at values of the symbols, themselves rounded."""
     coefficients = polynomial.at(*symbols)

@@ -8,20 +8,21 @@ the tracks are those of the modes that are listed.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import partial
 from time import perf_counter
-from typing import cast
 
 import numpy as np
-from flint import acb, fmpz_mpoly
-from numpy.typing import NDArray
+from flint import fmpz_mpoly
 
-from gks.bounds.rootkinds import Kinds
+from gks.bounds.rootdiscs import UNIT, separations
+from gks.bounds.rootimages import Images, growth_factors, isolated, joined
+from gks.bounds.rootkinds import kinds
 from gks.bounds.rootpaths import RootMap, RootPoint, Track
-from gks.bounds.roottracks import chordal, follow
+from gks.bounds.roottracks import follow
+from gks.bounds.sampled import Array, ComplexArray, sampled
 from gks.bounds.sweep import Sweep
 from gks.errors import InputError, ParameterError
 from gks.modes.analysis import analyse
@@ -32,21 +33,15 @@ from gks.modes.polynomial import Degenerate, Factor, TooWide, characteristic_fac
 from gks.modes.verdict import ModeKind
 from gks.scheme.model import Scheme
 
-Complex = NDArray[np.complex128]
 Progress = Callable[[int, int], None]
 
 DIVISIONS, COSTLY_DIVISIONS = 12, 3
 """Halvings of one step of the sweep: where roots are cheap, and where each means an analysis of the scheme."""
-SAME = 1e-7
-"""Chordal distance within which the polynomial's root and the exact analysis' root are the same one: double roots of
-the analysis are exact, and the polynomial's are computed as one root with multiplicity."""
 MOST_POINTS = 20_000
 """Values of a root map: more than any picture shows."""
 
 
-def rootmap(
-    scheme: Scheme, values: Mapping[str, Fraction], over: Sweep, progress: Progress | None = None
-) -> RootMap:
+def rootmap(scheme: Scheme, values: Mapping[str, Fraction], over: Sweep, progress: Progress | None = None) -> RootMap:
     """Follows every root over a sweep of a parameter, the CFL number included.
 
     Raises InputError where there is no scheme at any value; single values without one are ``faults``.
@@ -62,7 +57,7 @@ def rootmap(
     if polynomial is None:
         tracks = _joined(exact.group(progress))
     else:
-        tracks = [track for factor in polynomial.factors for track in _joined(polynomial.group(factor))]
+        tracks = [track for group in polynomial.groups() for track in _joined(group)]
     if len(exact.faults) == len(over.values):
         raise next(iter(exact.faults.values()))
     faults = {at: str(fault) for at, fault in exact.faults.items()}
@@ -78,7 +73,7 @@ class _Group:
 
     multiplicity: int
     roots: Sequence[Sequence[RootPoint]]
-    between: Callable[[int, float], Complex]
+    between: Callable[[int, float], ComplexArray]
     depth: int
 
 
@@ -87,7 +82,7 @@ def _joined(group: _Group) -> list[Track]:
     count = len(group.roots)
     tracks: list[list[RootPoint | None]] = []
     live: list[int] = []
-    before = _NONE
+    before: ComplexArray = np.empty(0, np.complex128)
     for k, points in enumerate(group.roots):
         after = np.array([p.z for p in points], np.complex128)
         pairing = follow(partial(group.between, k - 1), before, after, 0.0, 1.0, group.depth) if k else []
@@ -128,7 +123,7 @@ class _Exact:
         if value not in self._known:
             found = analyse(self.scheme, {**self.values, self.over.name: value})
             self._known[value] = [
-                RootPoint(z, mode.kind)
+                RootPoint(z, mode.kind, error=float(mode.radius) + 2 * UNIT * abs(z))
                 for mode in found.modes
                 for z in [_double(mode.z)] * mode.multiplicity
                 if np.isfinite(z)
@@ -144,7 +139,7 @@ class _Exact:
                 progress(k + 1, len(self.over.values))
         return _Group(1, roots, self._between, COSTLY_DIVISIONS)
 
-    def _between(self, k: int, t: float) -> Complex:
+    def _between(self, k: int, t: float) -> ComplexArray:
         try:
             found = self.of(_value_between(self.over, k, t))
         except InputError:
@@ -186,18 +181,12 @@ def _polynomial(scheme: Scheme, values: Mapping[str, Fraction], over: Sweep, exa
     return polynomial if all(polynomial.holds(place) for place in places) else None
 
 
-_NONE: Complex = np.empty(0, np.complex128)
-
-
 class _Polynomial:
     """The irreducible factors in sigma and the parameter, their roots at every value."""
 
-    def __init__(
-        self, problem: NormalModeProblem, factors: Sequence[Factor], over: Sweep, exact: _Exact
-    ) -> None:
+    def __init__(self, problem: NormalModeProblem, factors: Sequence[Factor], over: Sweep, exact: _Exact) -> None:
         self.problem, self.factors, self.over, self.exact = problem, factors, over, exact
         self.symbol = problem.coefficients.variable(over.name)
-        self.kinds = Kinds(problem, (problem.variable, self.symbol))
         self.speed = common_speed(problem) if problem.variable == "s" else None
 
     def same_branch(self, value: Fraction) -> bool:
@@ -216,78 +205,91 @@ class _Polynomial:
         return True
 
     def holds(self, place: int) -> bool:
-        """Whether the exact analysis at a value lists the same roots."""
+        """Whether the exact analysis at a value lists the same roots, each within both errors."""
         value = Fraction(self.over.values[place])
-        mine = np.concatenate([self.images(f.polynomial, value)[1] for f in self.factors] or [_NONE])
-        theirs = {p.z for p in self.exact.at(place)}
+        mine = joined([self.images(f.polynomial, value) for f in self.factors])
+        theirs = self.exact.at(place)
         if place in self.exact.faults:
             return True
-        return all((chordal(mine, np.asarray(z)) < SAME).any() for z in theirs) and all(
-            any(chordal(np.asarray(z), np.asarray(other)) < SAME for other in theirs) for z in mine
-        )
+        z, error = np.array([p.z for p in theirs], np.complex128), np.array([p.error for p in theirs])
+        bound = mine.error[:, None] + error
+        same = (np.abs(mine.z[:, None] - z) <= bound) & np.isfinite(bound)
+        return bool(same.any(axis=0).all() and same.any(axis=1).all())
 
-    def images(self, factor: fmpz_mpoly, value: Fraction) -> tuple[Complex, Complex]:
-        """(sigma, z) of all roots of a factor at a value, finite ones."""
+    def images(self, factor: fmpz_mpoly, value: Fraction) -> Images:
+        """All roots of a factor at a value, finite ones."""
         polynomial = univariate(specialise(factor, {self.symbol: value}), self.problem.variable)
         if not polynomial:
-            return _NONE, _NONE
-        found = cast("list[tuple[acb, int]]", polynomial.complex_roots())
-        sigma = np.array([complex(ball) for ball, count in found for _ in range(count)], np.complex128)
-        sigma = sigma[np.isfinite(sigma)]
+            return Images.none()
+        roots = isolated(polynomial)
         if self.problem.variable == "z":
-            return sigma, sigma
+            return roots
+        method = self.problem.resolvent.integrator
+        assert method is not None
         lam = value if self.over.name == self.problem.resolvent.cfl else self._lam()
-        return self._mapped(sigma, float(lam))
+        return growth_factors(method, roots, float(lam))
 
     def _lam(self) -> Fraction:
         lam = self.problem.coefficients.values[self.problem.resolvent.cfl]
         assert isinstance(lam, Fraction)
         return lam
 
-    def _mapped(self, sigma: Complex, lam: float) -> tuple[Complex, Complex]:
-        """Each sigma with every z that the integrator gives it."""
-        method = self.problem.resolvent.integrator
-        assert method is not None
-        if method.kind == "exact":
-            with np.errstate(all="ignore"):
-                z = np.exp(lam * sigma)
-            return sigma[np.isfinite(z)], z[np.isfinite(z)]
-        rows = method.characteristic()
-        repeated, images = [], []
-        for s in sigma:
-            powers = [sum(float(c) * (lam * complex(s)) ** p for p, c in enumerate(row)) for row in rows]
-            for z in np.roots(powers[::-1]) if np.isfinite(powers).all() else []:
-                repeated.append(s)
-                images.append(z)
-        return np.array(repeated, np.complex128), np.array(images, np.complex128)
+    def groups(self) -> Iterator[_Group]:
+        """The roots of every factor, judged."""
+        found = [[self.images(f.polynomial, Fraction(value)) for value in self.over.values] for f in self.factors]
+        gaps = [self._gaps(here) for here in zip(*found, strict=True)]
+        compiled = sampled(self.problem)
+        for k, factor in enumerate(self.factors):
+            roots = joined(found[k])
+            place = np.repeat(np.arange(len(found[k])), [len(each) for each in found[k]])
+            parameter = np.array([float(v) for v in self.over.values])[place]
+            told = kinds(compiled, roots, np.concatenate([each[k] for each in gaps]), parameter)
+            points: list[list[RootPoint]] = [[] for _ in found[k]]
+            numbers = zip(place.tolist(), roots.z.tolist(), roots.error.tolist(), strict=True)
+            for (at, z, error), kind, r in zip(numbers, told, self._r(roots.sigma, parameter), strict=True):
+                judged = kind if kind is not None else self._exactly(at, z, error)
+                points[at].append(RootPoint(z, judged, r, error))
+            yield _Group(factor.multiplicity, points, partial(self._between, factor), DIVISIONS)
 
-    def group(self, factor: Factor) -> _Group:
-        """The roots of one factor, judged."""
-        found = [self.images(factor.polynomial, Fraction(value)) for value in self.over.values]
-        sigma = np.concatenate([s for s, _ in found])
-        z = np.concatenate([z for _, z in found])
-        place = np.repeat(np.arange(len(found)), [len(z) for _, z in found])
-        parameter = np.array([float(v) for v in self.over.values], np.complex128)
-        kinds = self.kinds.of(sigma, parameter[place], z)
-        roots: list[list[RootPoint]] = [[] for _ in found]
-        for at, image, kind, r in zip(place, z, kinds, self._r(sigma, parameter[place]), strict=True):
-            judged = kind if kind is not None else self._exactly(int(at), complex(image))
-            roots[at].append(RootPoint(complex(image), judged, r))
-        return _Group(factor.multiplicity, roots, lambda k, t: self._between(factor, k, t), DIVISIONS)
+    def _gaps(self, here: Sequence[Images]) -> list[Array]:
+        """The distance of every root sigma from any other, for the roots of all factors at a value.
 
-    def _between(self, factor: Factor, k: int, t: float) -> Complex:
-        return self.images(factor.polynomial, _value_between(self.over, k, t))[1]
+        Two factors' roots are two, though they may coincide at single values.
+        """
+        distinct = [np.unique(each.root, return_index=True, return_inverse=True)[1:] for each in here]
+        sigma, radius = (
+            np.concatenate([getattr(each, name)[first] for each, (first, _) in zip(here, distinct, strict=True)])
+            for name in ("sigma", "radius")
+        )
+        ends = np.cumsum([len(first) for first, _ in distinct])[:-1]
+        apart = np.split(separations(sigma, radius), ends)
+        return [mine[back] for mine, (_, back) in zip(apart, distinct, strict=True)]
 
-    def _exactly(self, place: int, z: complex) -> ModeKind | None:
-        """The kind that the exact analysis gives the root; the worst of those that are not told from it."""
-        near = [p.kind for p in self.exact.at(place) if chordal(np.asarray(p.z), np.asarray(z)) < SAME]
-        return min(filter(None, near), key=list(ModeKind).index, default=None)
+    def _between(self, factor: Factor, k: int, t: float) -> ComplexArray:
+        return self.images(factor.polynomial, _value_between(self.over, k, t)).z
 
-    def _r(self, sigma: Complex, parameter: Complex) -> list[complex | None]:
+    def _exactly(self, place: int, z: complex, error: float) -> ModeKind | None:
+        """The kind that the exact analysis gives the root; None where it lists roots of several that may be this."""
+        near = {p.kind for p in self.exact.at(place) if abs(p.z - z) <= p.error + error}
+        return near.pop() if len(near) == 1 else None
+
+    def _r(self, sigma: ComplexArray, parameter: Array) -> list[complex | None]:
         """r = 1 + s/c where every decaying solution is r**(-n); None where there is no such c."""
         if self.speed is None:
             return [None] * len(sigma)
-        top, bottom = (self.kinds.evaluated(part, sigma, parameter) for part in (self.speed.num, self.speed.den))
+        top, bottom = (self._evaluated(part, sigma, parameter) for part in (self.speed.num, self.speed.den))
         with np.errstate(all="ignore"):
             found = 1 + sigma * bottom / top
         return [complex(r) if np.isfinite(r) else None for r in found]
+
+    def _evaluated(self, polynomial: fmpz_mpoly, sigma: ComplexArray, parameter: Array) -> ComplexArray:
+        """A polynomial in sigma and the parameter, in doubles: inf where a coefficient is beyond them."""
+        places = [polynomial.context().variable_to_index(name) for name in (self.problem.variable, self.symbol)]
+        total = np.zeros(sigma.shape, np.complex128)
+        for powers, coefficient in polynomial.to_dict().items():
+            try:
+                weight = float(int(coefficient))
+            except OverflowError:
+                weight = np.inf
+            total = total + weight * sigma ** int(powers[places[0]]) * parameter ** int(powers[places[1]])
+        return total

@@ -18,11 +18,15 @@ from gks.scheme.model import Scheme
 
 @dataclass(frozen=True, slots=True)
 class RootPoint:
-    """A root at one value; ``r`` is 1/kappa of the decaying solutions where all fields share one; kind None: open."""
+    """A root at one value; ``r`` is 1/kappa of the decaying solutions where all fields share one; kind None: open.
+
+    ``error`` bounds how far ``z`` is off.
+    """
 
     z: complex
     kind: ModeKind | None
     r: complex | None = None
+    error: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
