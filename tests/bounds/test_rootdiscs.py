@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from gks.bounds.allroots import all_roots
-from gks.bounds.rootdiscs import UNIT, RoundedPolynomials, gaps
+from gks.bounds.rootdiscs import UNIT, RoundedPolynomials, gaps, separations
 
 
 def exactly_expanded(roots: list[Fraction]) -> list[Fraction]:
@@ -46,3 +46,9 @@ def test_gaps_are_to_other_roots_and_not_to_the_same_one_of_another_factor() -> 
     radii = np.array([[1e-14, 1e-14, 0.5, np.inf]])
     assert gaps(roots, radii)[0, :3] == pytest.approx([1.5, 1.5, 2.0], abs=1e-13)
     assert gaps(roots, np.array([[1e-14, np.inf, 0.5, np.inf]]))[0, 0] == 0
+
+
+def test_roots_whose_discs_meet_are_not_separate() -> None:
+    roots, radii = np.array([1.0, 1.0 + 1e-15, 3.0], complex), np.array([1e-14, 1e-14, 0.5])
+    assert separations(roots, radii) == pytest.approx([0, 0, 2 - 1e-14], abs=1e-13)
+    assert separations(roots[:1], radii[:1])[0] == np.inf
