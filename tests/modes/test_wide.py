@@ -16,10 +16,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from gks import catalogue
 from gks.modes.analysis import _judge, _modes, analyse
 from gks.modes.interior import interior_stability
 from gks.modes.kreiss import normal_mode_problem
-from gks.modes.route import beyond_elimination
+from gks.modes.route import beyond_elimination, laborious
 from gks.modes.verdict import Mode, ModeKind, Verdict
 from gks.modes.wide import WideModes, wide_modes
 from gks.scheme.model import Scheme
@@ -389,3 +390,45 @@ def test_interfaces_of_systems() -> None:
         wide = agree(interface(pairs, time, space), alpha="3", lam="1/2")
         assert wide is not None
         assert wide.certified
+
+
+TWO_FIELDS_OF_REACH_TWO = r'''
+title = "two coupled unknowns of reach two, four closure equations of several levels"
+[parameters]
+lam = { role = "cfl", default = "1/2" }
+[domains.R]
+side = "left"
+first = 3
+unknowns = ["u", "s"]
+interior = [
+  """u[i+0, n+1] + (-13/45)*u[i+2] + (-4/15)*s[i+2] + (-19/120)*u[i+1] + (-7/40)*s[i+1] + (-47/180)*u[i+0] + \
+     (-11/60)*s[i+0] + (29/90)*u[i-1] + (1/15)*s[i-1] + (89/360)*u[i-2] + (17/120)*s[i-2] = 0""",
+  """s[i+0, n+1] + (28/135)*u[i+2] + (19/45)*s[i+2] + (49/360)*u[i+1] + (37/120)*s[i+1] + (77/540)*u[i+0] + \
+     (41/180)*s[i+0] + (-7/135)*u[i-1] + (13/90)*s[i-1] + (-119/1080)*u[i-2] + (-47/360)*s[i-2] = 0""",
+]
+[closure]
+equations = [
+  """R.u[-1, n+1] + (2)*R.u[-1] + (-3/2)*R.u[-3] + (-3/2)*R.s[-4] + (-5)*R.u[-5, n-1] = 0""",
+  """R.u[-2, n+1] + (-2)*R.u[-3, n+1] + (1)*R.u[-4, n+1] = 0""",
+  """R.s[-1, n+1] + (-3)*R.s[-2, n+1] + (3)*R.s[-3, n+1] + (-1)*R.s[-4, n+1] = 0""",
+  """R.s[-2, n+1] + (-3)*R.s[-3] + (3)*R.s[-4, n-1] + (-1)*R.s[-5, n-2] = 0""",
+]
+'''
+
+
+def test_the_count_goes_first_where_elimination_would_take_minutes() -> None:
+    """36 sets of decaying roots and a closure of degree 4 in z: the norm over all of them has hundreds of roots."""
+    scheme = parse_scheme(TWO_FIELDS_OF_REACH_TWO, "laborious")
+    problem = normal_mode_problem(scheme, scheme.values({}))
+    assert not beyond_elimination(problem)
+    assert laborious(problem)
+    found = analyse(scheme, scheme.values({}))
+    assert (found.verdict.value, found.tier) == ("unstable", "certified")
+    assert largest_modulus(scheme, scheme.values({}), 40) == pytest.approx(float(found.modes[0].modulus), rel=1e-6)
+
+
+def test_long_coefficients_are_no_reason_to_wait() -> None:
+    scheme = catalogue.find("lax-wendroff-order-6-oblique")
+    short, long = (normal_mode_problem(scheme, scheme.values({"lam": lam})) for lam in ("1/2", "0.123456789012"))
+    assert (laborious(short), laborious(long)) == (False, True)
+    assert analyse(scheme, scheme.values({"lam": "0.123456789012"})).verdict.value == "stable"
