@@ -1,6 +1,7 @@
 """Settings of the whole suite."""
 
 from hypothesis import settings
+from pytest import Config, Item, Parser
 
 # No deadline: the machine's load is not a property of the code. The same examples in every run of the same tests, so
 # that a change is judged by what it changes; `--hypothesis-profile=explore` draws others, and `long` 20 times as many.
@@ -10,3 +11,15 @@ settings.register_profile("long", settings.get_profile("explore"), max_examples=
 # `brief` is for a second environment, where only what the first can't see matters.
 settings.register_profile("brief", settings.get_profile("house"), max_examples=5)
 settings.load_profile("house")
+
+
+def pytest_addoption(parser: Parser) -> None:
+    parser.addoption("--one-case", action="store_true", help="of a test with several cases run the first alone")
+
+
+def pytest_collection_modifyitems(config: Config, items: list[Item]) -> None:
+    if config.getoption("one_case"):
+        first: dict[str, Item] = {}
+        others = [item for item in items if first.setdefault(item.nodeid.partition("[")[0], item) is not item]
+        config.hook.pytest_deselected(items=others)
+        items[:] = first.values()
