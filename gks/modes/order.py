@@ -203,7 +203,10 @@ class _Disc:
         """The number of zeros of Delta in a smaller disc that holds the candidate."""
         q = arb(1) / INNER
         bound, count = self._bound(), VALUES
-        enough = self._delta(acb(self.radius * q)).abs_lower() / 2**START_BITS
+        first = self._delta(acb(self.radius * q))
+        if first.contains(0):  # no other zero is in the disc: this choice has Delta = 0 throughout, or it is too small
+            raise _Open
+        enough = first.abs_lower() / 2**START_BITS
         while count < MOST_VALUES and not bound * q**count < enough:
             count *= 2
         sums = acb.dft([self._delta(self.radius * q * (acb(2 * k) / count).exp_pi_i()) for k in range(count)])
