@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cache
 
 from flint import acb, arb, ctx, fmpz_mpoly, fmpz_mpoly_ctx, fmpz_poly
 
@@ -100,10 +101,17 @@ def specialise(poly: fmpz_mpoly, values: Mapping[str, Fraction]) -> fmpz_mpoly:
     return poly
 
 
+@cache
+def _names(context: fmpz_mpoly_ctx) -> tuple[str, ...]:
+    return tuple(context.names())
+
+
 def at_balls(poly: fmpz_mpoly, values: Mapping[str, acb]) -> acb:
     """A ball around ``poly`` at the given balls (every variable that occurs), at the current precision."""
+    if poly.is_constant():  # as most coefficients of a closure are
+        return acb(poly.coeffs()[0]) if poly else acb(0)
     occurring = [(k, degree) for k, degree in enumerate(poly.degrees()) if degree]
-    names = poly.context().names()
+    names = _names(poly.context())
     if len(occurring) == 1:
         ((k, degree),) = occurring
         dense = [0] * (degree + 1)
