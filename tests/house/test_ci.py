@@ -8,6 +8,8 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 STEPS = ["browser", "main job", "tests", "ruff", "mypy", "oldest versions"]
+PREPARED = "oldest versions: environment"
+"""The one that runs beside another."""
 
 
 def ci(root: Path, *broken: str) -> subprocess.CompletedProcess[str]:
@@ -18,7 +20,9 @@ def ci(root: Path, *broken: str) -> subprocess.CompletedProcess[str]:
     for step in STEPS:
         name = step.split()[0]
         command = root / ".ci" / name if name in ("browser", "oldest") else root / ".venv" / "bin" / name
-        command.write_text(f"#!/bin/sh\necho {step} >> steps\necho '3 passed in 1 s'\nexit {int(step in broken)}\n")
+        prepared = f'[ "$1" != prepare ] || {{ touch prepared; exit {int(PREPARED in broken)}; }}'
+        record = f"echo {step} >> steps\necho '3 passed in 1 s'\nexit {int(step in broken)}"
+        command.write_text(f"#!/bin/sh\n{prepared}\n{record}\n")
         command.chmod(0o755)
     commands = (f"python3 -m venv --help > /dev/null && .venv/bin/{name}\n" for name in ("main", "tests"))
     (root / "README.md").write_text("# Two commands\n" + "".join(commands))
@@ -30,10 +34,11 @@ def test_it_runs_the_second_command_ruff_mypy_the_first_command_and_the_oldest_v
     assert ended.returncode == 0
     expected = ["browser", "tests", "ruff", "mypy", "main job", "oldest versions"]
     assert (tmp_path / "steps").read_text().splitlines() == expected
+    assert (tmp_path / "prepared").exists()
     assert "== pytest said: 3 passed in 1 s" in ended.stdout
 
 
-@pytest.mark.parametrize("step", STEPS)
+@pytest.mark.parametrize("step", [*STEPS, PREPARED])
 def test_any_step_that_fails_fails_the_run_and_the_others_still_run(tmp_path: Path, step: str) -> None:
     ended = ci(tmp_path, step)
     assert ended.returncode == 1
