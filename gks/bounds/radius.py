@@ -153,9 +153,12 @@ def radius_map(
         derived = np.repeat(_as_derived(problem, sweep, exact), len(lams))
     except NotAnalysable:
         radius, known, derived = (np.zeros(interior.size, kind) for kind in (float, bool, bool))
-    lines = [{**values, **({sweep.name: v} if sweep else {})} for v in exact]
-    points = [{**line, scheme.cfl: Fraction(lam)} for line in lines for lam in lam_values]
-    _one_by_one(scheme, points, interior.ravel() & ~derived, radius, known, progress)
+
+    def point(k: int) -> Mapping[str, Fraction]:
+        row, place = divmod(k, len(lams))
+        return {**values, **({sweep.name: exact[row]} if sweep else {}), scheme.cfl: Fraction(lam_values[place])}
+
+    _one_by_one(scheme, point, interior.ravel() & ~derived, radius, known, progress)
     shape = (len(column), len(lams))
     radius, known = radius.reshape(shape), known.reshape(shape)
     radius = np.where(known & interior, radius, 0.0)
@@ -249,7 +252,7 @@ def _largest(problem: NormalModeProblem, symbols: Sequence[Array]) -> tuple[Arra
 
 def _one_by_one(
     scheme: Scheme,
-    points: Sequence[Mapping[str, Fraction]],
+    point: Callable[[int], Mapping[str, Fraction]],
     chosen: Mask,
     radius: Array,
     known: Mask,
@@ -260,7 +263,7 @@ def _one_by_one(
     for done, k in enumerate(places, 1):
         radius[k], known[k] = 0.0, False
         with suppress(InputError):  # no scheme at these values
-            found = analyse(scheme, points[k])
+            found = analyse(scheme, point(k))
             kept = [float(m.modulus) for m in found.modes if m.kind is not ModeKind.INADMISSIBLE]
             radius[k], known[k] = max(kept, default=0.0), found.verdict is not Verdict.UNDECIDED
         if progress is not None:

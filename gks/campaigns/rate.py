@@ -31,7 +31,7 @@ class Rate:
         if done < total and now - self.last < (AT_TERMINAL_S if sys.stderr.isatty() else IN_LOG_S):
             return
         self.last = now
-        passed = max(now - self.start, 1e-9)
+        passed = max(now - self.start, 1e-9)  # the clock's own step, should it not have moved
         rate = (done - self.before) / passed
         left = f", {(total - done) / rate:.0f} s left" if done < total and rate else ""
         print(f"{done} of {total} {self.what}, {rate:.3g} a second{left}", file=sys.stderr, flush=True)

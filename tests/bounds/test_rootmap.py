@@ -15,7 +15,7 @@ from gks.bounds.rootpaths import RootMap
 from gks.bounds.roottracks import assignment, follow
 from gks.errors import InputError
 from gks.modes.verdict import ModeKind
-from gks.scheme.schemefile import parse_scheme
+from tests.bounds.theorem_schemes import upwind_flux
 from tests.modes.test_coupled import YEE
 from tests.modes.test_coupled import half_line as system
 from tests.modes.test_wide import INFLOW, lax_wendroff, written
@@ -97,22 +97,7 @@ def test_schemes_without_a_polynomial_are_followed_by_their_modes() -> None:
 
 
 def test_an_upwinding_that_turns_round_is_not_taken_from_the_sample() -> None:
-    text = """
-title = "the speed changes its sign"
-[parameters]
-lam = { role = "cfl", default = 0.5 }
-a = { default = 1, range = [-inf, inf] }
-[interior]
-space = "upwind1"
-time = "forward-euler"
-[domains.R]
-side = "right"
-unknowns = ["u"]
-flux = [["a"]]
-[closure]
-equations = ["u[-1] = 3*u[0]"]
-"""
-    scheme = LoadedScheme(parse_scheme(text, "turning"))
+    scheme = LoadedScheme(upwind_flux("a", "3*u[0]"))
     found = scheme.roots(sweep="a=-1:1:4")
     for k, value in enumerate(found.sweep.values):
         single = sorted((m.z_complex.real, m.kind) for m in scheme.modes(a=value).modes)

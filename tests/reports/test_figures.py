@@ -158,7 +158,8 @@ def test_several_schemes_share_the_axes() -> None:
 @pytest.mark.parametrize("title", ["costs $5 and $x_{", "a\nb\x00c\x1b[0m", "Sjögreen 界 \\frac", "t" * 400])
 def test_any_title_is_text(title: str) -> None:
     scheme = replace(SCHEME, title=title)
-    ElementTree.fromstring(curve_svg(replace(made([point(1, ONE), point(2, ONE)]), scheme=scheme)))
+    drawn = ElementTree.fromstring(curve_svg(replace(made([point(1, ONE), point(2, ONE)]), scheme=scheme)))
+    assert drawn.tag.endswith("svg")
 
 
 @pytest.mark.parametrize(

@@ -15,6 +15,7 @@ from gks.reports.report import scheme_report, stem_of
 from gks.reports.scheme_plan import plan, sweep_of
 from gks.reports.steps import Step
 from gks.scheme.schemefile import parse_scheme
+from tests.bounds.theorem_schemes import LEAPFROG_OUTFLOW
 from tests.reports.example import EXAMPLE, TEXT, Page, Silent, at, written
 
 Report = tuple[Path, dict[str, str], dict[str, Any]]
@@ -157,22 +158,8 @@ def test_markdown_has_the_figures_and_escapes_the_title(report: Report) -> None:
 
 # What a scheme has no use for -----------------------------------------------------------------------------------------
 
-BARE = """
-title = "Leapfrog"
-[parameters]
-lam = { role = "cfl", default = 0.5 }
-[domains.R]
-side = "right"
-unknowns = ["u"]
-interior = ["u[i, n+1] = u[i, n-1] + lam*(u[i+1] - u[i-1])"]
-first = 1
-[closure]
-equations = ["u[0, n+1] = u[1, n]"]
-"""
-
-
 def test_nothing_is_computed_for_a_section_without_use() -> None:
-    bare = parse_scheme(BARE, "bare")
+    bare = parse_scheme(LEAPFROG_OUTFLOW, "bare")
     assert "audit" not in {step.name for step in plan(bare)}
     assert sweep_of(bare) is None
     exact_time = parse_scheme(TEXT.replace("forward-euler", "exact"), "exact-time")
@@ -220,4 +207,4 @@ NAMES = [("../../x", "x"), ("a b/c", "a-b-c"), ("1-2", "scheme-1-2"), ("", "sche
 
 @pytest.mark.parametrize(("given", "stem"), NAMES)
 def test_a_scheme_s_name_cannot_lead_out_of_the_folder(given: str, stem: str) -> None:
-    assert stem_of(parse_scheme(BARE, given)) == stem
+    assert stem_of(parse_scheme(LEAPFROG_OUTFLOW, given)) == stem

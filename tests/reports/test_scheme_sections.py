@@ -18,6 +18,7 @@ from gks.reports.scheme_plan import plan
 from gks.reports.store import Store
 from gks.scheme.model import Scheme
 from gks.scheme.schemefile import parse_scheme
+from tests.bounds.theorem_schemes import LEAPFROG_OUTFLOW
 from tests.reports.example import Silent
 
 Records = dict[str, dict[str, Any]]
@@ -40,22 +41,8 @@ def page(scheme: Scheme, given: Mapping[str, Mapping[str, Any]]) -> str:
     return markdown(build(scheme, "page", given))
 
 
-LEAPFROG = """
-title = "Leapfrog"
-[parameters]
-lam = { role = "cfl", default = 0.5 }
-[domains.R]
-side = "right"
-unknowns = ["u"]
-interior = ["u[i, n+1] = u[i, n-1] + lam*(u[i+1] - u[i-1])"]
-first = 1
-[closure]
-equations = ["u[0, n+1] = u[1, n]"]
-"""
-
-
 def leapfrog(closure: str) -> Scheme:
-    return parse_scheme(LEAPFROG.replace("u[0, n+1] = u[1, n]", closure), "page")
+    return parse_scheme(LEAPFROG_OUTFLOW.replace("u[0, n+1] = u[1, n]", closure), "page")
 
 
 def test_a_closure_that_does_not_determine_the_next_level_has_a_mode_at_infinity() -> None:
@@ -126,7 +113,8 @@ def test_the_end_of_a_piece_equals_its_decimal_or_is_near_it(unequal: Records) -
 
 
 def test_a_title_may_have_several_lines() -> None:
-    assert page(parse_scheme(LEAPFROG.replace('"Leapfrog"', '"Leap\\nfrog"'), "page"), {}).startswith("# Leap frog\n")
+    text = LEAPFROG_OUTFLOW.replace("Leapfrog, outflow by oblique extrapolation", "Leap\\nfrog")
+    assert page(parse_scheme(text, "page"), {}).startswith("# Leap frog\n")
     rows, tails = stated(
         "Leap\nfrog: stable exactly for\n  0 < lam < 1  if 0 < a; at lam = 1: neutral\n  no lam  if a = 0"
     )
@@ -135,7 +123,7 @@ def test_a_title_may_have_several_lines() -> None:
 
 
 def test_a_table_of_many_roots_says_that_it_is_not_all_of_them() -> None:
-    wide = LEAPFROG.replace("u[i, n-1] + lam*(u[i+1] - u[i-1])", "(1 + lam)/2*u[i+1] + (1 - lam)/2*u[i-1]")
+    wide = LEAPFROG_OUTFLOW.replace("u[i, n-1] + lam*(u[i+1] - u[i-1])", "(1 + lam)/2*u[i+1] + (1 - lam)/2*u[i-1]")
     scheme = parse_scheme(wide.replace("= u[1, n]", "= 1/2*u[1, n] + 1/3*u[45, n] - 1/5*u[3, n-1]"), "page")
     given = records(scheme, "modes")
     count = len(given["modes"]["result"]["modes"])
