@@ -4,33 +4,16 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from time import perf_counter
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 from gks.errors import InputError, quoted
+from gks.outputs import Result, draw_profile, draw_roots, json_text, writer
 
 if TYPE_CHECKING:
     from argparse import Namespace
-
-    from gks.bounds.curve import Curve
-    from gks.bounds.curvemap import CurveMap
-    from gks.bounds.radius import RadiusMap
-    from gks.bounds.rootpaths import RootMap
-    from gks.modes.profile import Profile
-
-
-class Result(Protocol):
-    """What every analysis gives: a text for people (`str`) and the contract's JSON object."""
-
-    def to_json(self) -> Mapping[str, object]: ...
-
-
-class Tabular(Protocol):
-    """A result that is a table as well."""
-
-    def to_csv(self) -> str: ...
 
 
 def carry_out(arguments: Namespace) -> str:
@@ -76,13 +59,6 @@ def settings(texts: Sequence[str]) -> dict[str, str]:
     return values
 
 
-def json_text(result: Result) -> str:
-    """The one JSON object of a result; ValueError for a NaN or an infinity, which the contract spells as strings."""
-    import json
-
-    return json.dumps(result.to_json(), allow_nan=False)
-
-
 def _shown(result: Result, arguments: Namespace) -> str:
     return json_text(result) if arguments.json else str(result)
 
@@ -126,7 +102,7 @@ def _modes(arguments: Namespace) -> str:
 def _profile(arguments: Namespace) -> str:
     from gks.api import load
 
-    writers = {path: _writer(path, draw=_draw_profile) for path in arguments.outputs}
+    writers = {path: writer(path, draw=draw_profile) for path in arguments.outputs}
     scheme = load(arguments.file)
     result = scheme.profile(settings(arguments.settings), mode=arguments.mode, cells=arguments.cells)
     for path, write in writers.items():
@@ -137,7 +113,7 @@ def _profile(arguments: Namespace) -> str:
 def _roots(arguments: Namespace) -> str:
     from gks.api import load
 
-    writers = {path: _writer(path, draw=_draw_roots) for path in arguments.outputs}
+    writers = {path: writer(path, draw=draw_roots) for path in arguments.outputs}
     result = load(arguments.file).roots(settings(arguments.settings), sweep=arguments.sweep)
     for path, write in writers.items():
         write(result, path)
@@ -147,7 +123,7 @@ def _roots(arguments: Namespace) -> str:
 def _curve(arguments: Namespace) -> str:
     from gks.api import load
 
-    writers = {path: _writer(path) for path in arguments.outputs}  # refused, if at all, before the work is done
+    writers = {path: writer(path) for path in arguments.outputs}  # refused, if at all, before the work is done
     loaded = load(arguments.file)
     over_lam = any(text.partition("=")[0].strip() == loaded.scheme.cfl for text in arguments.sweep)
     with _counted_to_a_terminal("points") as progress:
@@ -212,7 +188,7 @@ def _prove(arguments: Namespace) -> str:
     from gks.api import load
 
     if arguments.output is not None:
-        _writer(arguments.output, (".json",))
+        writer(arguments.output, (".json",))
     limit = LONGEST if arguments.limit is None else arguments.limit
     theorem = load(arguments.file).prove(settings(arguments.settings), limit=limit, progress=_said_to_a_terminal)
     if arguments.output is not None and theorem.proved:
@@ -299,7 +275,7 @@ def _fuzz(arguments: Namespace) -> str:
     from gks.campaigns.rate import Rate
     from gks.files import write_text
 
-    writers = {path: _writer(path, (".csv", ".json")) for path in arguments.outputs}
+    writers = {path: writer(path, (".csv", ".json")) for path in arguments.outputs}
     if not os.path.isdir(arguments.save):
         raise InputError(f"no folder {quoted(arguments.save)}", path="--save", mend="make it first")
     conduct = Conduct(arguments.jobs, arguments.scheduler, None, arguments.resume, Rate("schemes"))
@@ -320,71 +296,11 @@ def _bench(arguments: Namespace) -> str:
     def draw(table: Any, path: str) -> None:
         save_picture(name, table, path)
 
-    writers = {path: _writer(path, endings, draw) for path in arguments.outputs}
+    writers = {path: writer(path, endings, draw) for path in arguments.outputs}
     table = bench(name, _said_to_a_terminal)
     for path, write in writers.items():
         write(table, path)
     return "\n".join(writers) if writers and not arguments.json else _shown(table, arguments)
-
-
-LONGEST_NAME = 200
-"""Bytes of an output file's name: file systems allow 255, and its draft beside it has a longer one."""
-
-
-def _writer(
-    path: str,
-    endings: Sequence[str] = (".csv", ".json", ".png", ".svg", ".pdf"),
-    draw: Callable[[Any, str], None] | None = None,
-) -> Callable[[Any, str], None]:
-    """What writes a result to a file of that name, by its ending; InputError if nothing does or there is no folder.
-
-    ``draw`` makes a picture of it, unless it is a curve.
-    """
-    if "\0" in path or len(os.fsencode(os.path.basename(path))) > LONGEST_NAME:
-        expected = f"expected a name of at most {LONGEST_NAME} bytes"
-        raise InputError(f"-o {quoted(path)} can't name a file", expected=expected)
-    ending = os.path.splitext(path)[1].lower()
-    if ending not in endings:
-        found = f"nothing is written as {quoted(ending)}" if ending else "its name has no ending"
-        listed = " or ".join(filter(None, [", ".join(endings[:-1]), endings[-1]]))
-        raise InputError(f"-o {quoted(path)}: {found}", expected=f"expected {listed}")
-    folder = os.path.dirname(os.path.abspath(path))
-    if not os.path.isdir(folder):
-        raise InputError(f"-o {quoted(path)}: no folder {quoted(folder)}", mend="make it first")
-    if os.path.isdir(path):
-        raise InputError(f"-o {quoted(path)} is a folder", expected="expected the name of a file")
-    writers: dict[str, Callable[[Any, str], None]] = {".csv": _write_csv, ".json": _write_json}
-    return writers.get(ending, _draw if draw is None else draw)
-
-
-def _write_csv(result: Tabular, path: str) -> None:
-    from gks.files import write_text
-
-    write_text(path, result.to_csv())
-
-
-def _write_json(result: Result, path: str) -> None:
-    from gks.files import write_text
-
-    write_text(path, json_text(result) + "\n")
-
-
-def _draw(result: Curve | CurveMap | RadiusMap, path: str) -> None:
-    from gks.reports.maps import save
-
-    save(result, path)
-
-
-def _draw_profile(profile: Profile, path: str) -> None:
-    from gks.reports.profiles import save_profile
-
-    save_profile(profile, path)
-
-
-def _draw_roots(found: RootMap, path: str) -> None:
-    from gks.reports.rootmaps import save_rootmap
-
-    save_rootmap(found, path)
 
 
 _COMMANDS: dict[str, Callable[[Namespace], str]] = {

@@ -277,8 +277,7 @@ RANDOM, OWN, FORCED = "random data", "from the mode", "forced at z"
 
 def _tells(free: March) -> bool:
     """Whether random data grow, by more than a power of n may make, and fast enough for a rate known to AGREEMENT."""
-    growth = free.growth
-    return growth.exceeds(math.exp(1.0 / free.steps)) and growth.uncertainty < AGREEMENT * growth.rate
+    return _outgrows(free, 1.0) and free.growth.uncertainty < AGREEMENT * free.growth.rate
 
 
 def _agrees(predicted: float, seen: Growth, free: March | None) -> tuple[bool, str]:

@@ -20,8 +20,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from gks.bounds.rootdiscs import UNIT
 from gks.bounds.sampled import ROUNDINGS, Array, ComplexArray, Rounded, Sampled, Values
+from gks.modes.doubledouble import UNIT
 
 Mask = NDArray[np.bool_]
 

@@ -12,7 +12,7 @@ from fractions import Fraction
 import numpy as np
 
 from gks.bounds.allroots import all_roots
-from gks.bounds.sampled import Array, ComplexArray, sampled
+from gks.bounds.sampled import Array, ComplexArray, polynomial_at, sampled
 from gks.errors import NotAnalysable
 from gks.modes.kreiss import NormalModeProblem
 from gks.scheme.integrators import Integrator
@@ -48,7 +48,7 @@ def _branches(method: Integrator, z: ComplexArray) -> ComplexArray:
     """All lam*s at every z: (N, branches)."""
     with np.errstate(all="ignore"):
         if method.kind == "multistep":
-            rho, sigma = (_value(row, z) for row in (method.rho, method.sigma))
+            rho, sigma = (polynomial_at(row, z) for row in (method.rho, method.sigma))
             return np.asarray((rho / sigma)[:, None])
         rows = np.tile([complex(c) for c in method.stability], (len(z), 1))
         rows[:, 0] -= z
@@ -59,18 +59,11 @@ def _outwards(method: Integrator, z: ComplexArray, mu: ComplexArray) -> ComplexA
     """The derivative of every lam*s by log z."""
     if method.kind == "multistep":
         rho, sigma, rho_z, sigma_z = (
-            _value(row, z) for row in (method.rho, method.sigma, _derived(method.rho), _derived(method.sigma))
+            polynomial_at(row, z) for row in (method.rho, method.sigma, _derived(method.rho), _derived(method.sigma))
         )
         return np.asarray((z * (rho_z - rho * sigma_z / sigma) / sigma)[:, None])
-    return np.asarray(z[:, None] / _value(_derived(method.stability), mu))
+    return np.asarray(z[:, None] / polynomial_at(_derived(method.stability), mu))
 
 
 def _derived(row: Sequence[Fraction]) -> tuple[Fraction, ...]:
     return tuple(k * Fraction(c) for k, c in enumerate(row))[1:]
-
-
-def _value(row: Sequence[Fraction], z: ComplexArray) -> ComplexArray:
-    total = np.zeros_like(z)
-    for c in reversed(row):
-        total = total * z + float(c)
-    return total

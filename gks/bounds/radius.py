@@ -24,7 +24,7 @@ from gks.bounds.allroots import all_roots
 from gks.bounds.deltazeros import judged
 from gks.bounds.located import close_to
 from gks.bounds.rootdiscs import gaps, rounded
-from gks.bounds.sampled import Array, ComplexArray, polynomial_of, sampled
+from gks.bounds.sampled import Array, ComplexArray, polynomial_at, polynomial_of, sampled
 from gks.bounds.signs import interior_sets, signs_stand
 from gks.bounds.sweep import Sweep
 from gks.errors import InputError, NotAnalysable, ParameterError
@@ -353,13 +353,6 @@ def _growth(problem: NormalModeProblem, sigma: ComplexArray, lam: Array) -> Arra
 def _amplified(method: Integrator, mu: ComplexArray) -> Array:
     if method.kind == "exact":
         return np.exp(mu.real)
-    rows = [_power_series(row, mu) for row in method.characteristic()]
+    rows = [polynomial_at(row, mu) for row in method.characteristic()]
     coefficients = np.stack([row.ravel() for row in rows], axis=1)
     return np.asarray(np.abs(all_roots(coefficients)).max(axis=1).reshape(mu.shape))
-
-
-def _power_series(row: Sequence[Fraction], mu: ComplexArray) -> ComplexArray:
-    value = np.zeros_like(mu)
-    for c in reversed(row):
-        value = value * mu + float(c)
-    return value

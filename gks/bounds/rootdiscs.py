@@ -15,9 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gks.bounds.sampled import Array, Coefficients, ComplexArray, horner
+from gks.modes.doubledouble import UNIT
 
-UNIT = 2.0**-53
-"""Half the spacing of doubles at 1: the relative error of one operation."""
 COMPLEX_STEP = 4
 """Rounding units of one step of Horner's scheme: sqrt(5) of a complex product (Brent, Percival & Zimmermann, Math.
 Comp. 76 (2007) 1469-1481), 1 of the sum."""

@@ -8,16 +8,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from fractions import Fraction
-from typing import Any, Self, cast
+from typing import Self, cast
 
 import numpy as np
 from flint import acb, fmpz_poly
 from numpy.typing import NDArray
 
 from gks.bounds.allroots import all_roots
-from gks.bounds.rootdiscs import COMPLEX_STEP, UNIT, RoundedPolynomials
-from gks.bounds.sampled import Array, ComplexArray
+from gks.bounds.rootdiscs import COMPLEX_STEP, RoundedPolynomials
+from gks.bounds.sampled import Array, ComplexArray, polynomial_at
+from gks.modes.doubledouble import UNIT
 from gks.scheme.integrators import Integrator
 
 
@@ -99,15 +99,8 @@ def _in_z(method: Integrator, mu: ComplexArray, spread: Array) -> RoundedPolynom
     size = np.abs(mu)
     moduli = [[abs(c) for c in row] for row in rows]
     coefficients, sizes, wider = (
-        np.stack([_value(row, x) for row in each], axis=1)
+        np.stack([polynomial_at(row, x) for row in each], axis=1)
         for each, x in ((rows, mu), (moduli, size), (moduli, size + spread))
     )
     # What moves within the disc of mu counts as rounding.
     return RoundedPolynomials(coefficients, sizes.real + (wider - sizes).real / rounding, rounding)
-
-
-def _value(row: Sequence[Fraction], x: NDArray[Any]) -> ComplexArray:
-    total = np.zeros(x.shape, complex)
-    for c in reversed(row):
-        total = total * x + float(c)
-    return total

@@ -10,9 +10,9 @@ from __future__ import annotations
 import numpy as np
 
 from gks.bounds.deltazeros import judged
-from gks.bounds.rootdiscs import UNIT
 from gks.bounds.rootimages import Images
 from gks.bounds.sampled import Array, Sampled
+from gks.modes.doubledouble import UNIT
 from gks.modes.verdict import ModeKind
 
 

@@ -17,7 +17,7 @@ from time import perf_counter
 import numpy as np
 from flint import fmpz_mpoly
 
-from gks.bounds.rootdiscs import UNIT, separations
+from gks.bounds.rootdiscs import separations
 from gks.bounds.rootimages import Images, growth_factors, isolated, joined
 from gks.bounds.rootkinds import kinds
 from gks.bounds.rootpaths import RootMap, RootPoint, Track
@@ -27,6 +27,7 @@ from gks.bounds.sweep import Sweep
 from gks.errors import InputError, ParameterError
 from gks.modes.analysis import analyse
 from gks.modes.derivation import common_speed
+from gks.modes.doubledouble import UNIT
 from gks.modes.fibre import specialise, univariate
 from gks.modes.kreiss import NormalModeProblem, normal_mode_problem
 from gks.modes.polynomial import Degenerate, Factor, TooWide, characteristic_factors

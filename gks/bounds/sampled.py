@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from flint import fmpz_mpoly
 from numpy.typing import NDArray
 
 from gks.bounds.allroots import all_roots
+from gks.modes.doubledouble import UNIT
 from gks.modes.fibre import coefficients as powers_of
 from gks.modes.kreiss import NormalModeProblem, longest
 
@@ -213,7 +215,7 @@ class Sampled:
                 operations = max(operations, terms.operations + 4 * n + 4 * order)
         with np.errstate(all="ignore"):
             relative = (terms_size / size).sum(axis=0)
-        return np.asarray(operations * 2.0**-53 * relative)
+        return np.asarray(operations * UNIT * relative)
 
     def _determinant(
         self, roots: Sequence[ComplexArray], powers: Sequence[Sequence[ComplexArray]], points: int
@@ -390,3 +392,11 @@ def horner(coefficients: NDArray[Any], x: NDArray[Any]) -> NDArray[Any]:
     for k in reversed(range(coefficients.shape[1])):
         value = value * x + coefficients[:, k : k + 1]
     return value
+
+
+def polynomial_at(row: Sequence[Fraction], x: NDArray[Any]) -> ComplexArray:
+    """A polynomial with rational coefficients, ascending, at points of any shape."""
+    total = np.zeros(x.shape, complex)
+    for c in reversed(row):
+        total = total * x + float(c)
+    return total

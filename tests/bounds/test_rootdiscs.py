@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from gks.bounds.allroots import all_roots
-from gks.bounds.rootdiscs import UNIT, RoundedPolynomials, gaps, separations
+from gks.bounds.rootdiscs import RoundedPolynomials, gaps, separations
+from gks.modes.doubledouble import UNIT
 
 
 def exactly_expanded(roots: list[Fraction]) -> list[Fraction]:

@@ -11,7 +11,7 @@ ROOT = Path(__file__).parents[2]
 LAYERS = ["gks.scheme", "gks.modes", "gks.bounds", "gks.solvers", "gks.campaigns", "gks.reports"]
 SLOW = {"numpy", "scipy", "sympy", "matplotlib", "flint", "mpmath", "hypothesis", "distributed"}
 FOLDERS = {"gks.solvers": ROOT / "solvers", "gks.reports": ROOT / "reports"}
-START_UP = ["gks/__init__.py", "gks/__main__.py", "gks/cli.py", "gks/commands.py", "gks/api.py", "gks/files.py"]
+START_UP = [f"gks/{name}.py" for name in ("__init__", "__main__", "cli", "commands", "outputs", "api", "files")]
 
 
 def modules(layer: str) -> list[Path]:

@@ -12,7 +12,7 @@ import pytest
 
 from gks import commands
 from gks.cli import main, parser
-from gks.commands import json_text
+from gks.outputs import json_text
 
 Run = Callable[..., tuple[int, str, str]]
 
