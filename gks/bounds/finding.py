@@ -10,7 +10,8 @@ from fractions import Fraction
 from gks.errors import InputError
 from gks.modes.admissible import Candidate
 from gks.modes.algebraic import Root
-from gks.modes.analysis import analyse, candidates_of, eliminated
+from gks.modes.analysis import analyse, eliminated
+from gks.modes.candidates import candidates_of
 from gks.modes.kreiss import normal_mode_problem
 from gks.modes.numerals import json_complex, json_real, text_complex, text_real
 from gks.modes.verdict import Mode, ModeKind, ModesResult

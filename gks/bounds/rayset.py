@@ -22,6 +22,7 @@ from flint import acb, arb, fmpq
 from gks.bounds.cfl import Limit
 from gks.bounds.located import Located, Span, nothing_said
 from gks.bounds.rayballs import stable_intervals_ball
+from gks.modes.admissible import Candidate
 from gks.modes.algebraic import Root
 from gks.modes.cauchy_set import CauchySet
 from gks.modes.kreiss import NormalModeProblem
@@ -97,7 +98,7 @@ def _zeros(found: WideModes, lam: Fraction) -> list[acb]:
     """s of every growing mode; ``lam`` is the one that lam*s was counted at."""
     zeros = []
     for mode, place in zip(found.modes, found.places, strict=True):
-        if mode.kind is ModeKind.GROWING and not isinstance(place, int) and place.mu is not None:
+        if mode.kind is ModeKind.GROWING and not isinstance(place, Candidate) and place.mu is not None:
             zeros.append(place.mu / acb(fmpq(lam.numerator, lam.denominator)))
     return zeros
 

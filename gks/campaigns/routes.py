@@ -17,7 +17,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from hashlib import sha256
-from typing import Literal
+from typing import Any, Literal
 
 from gks.bounds.cfl import StableSet, stable_set
 from gks.campaigns.draw import Draft
@@ -216,7 +216,8 @@ def settled_radius(scheme: Scheme, values: Mapping[str, Fraction]) -> float | No
     """The spectral radius of one step of the finite problem where two numbers of cells agree on it, or on at most 1.
 
     None where they don't: waves of a nondissipative interior run to and fro between the ends, and what they gain at the
-    interface fades only as 1/cells; and where the closure determines no next level.
+    interface fades only as 1/cells; where the closure determines no next level; and where rounding the matrix may have
+    carried an eigenvalue across the circle.
     """
     import numpy
 
@@ -225,13 +226,29 @@ def settled_radius(scheme: Scheme, values: Mapping[str, Fraction]) -> float | No
     last = float("inf")
     for cells in CELLS:
         try:
-            radius = float(numpy.abs(numpy.linalg.eigvals(update_matrix(scheme, values, cells))).max())
+            matrix = update_matrix(scheme, values, cells)
+            radius = float(numpy.abs(numpy.linalg.eigvals(matrix)).max())
         except numpy.linalg.LinAlgError:
             return None
-        if abs(radius - last) <= SETTLED * radius or max(radius, last) <= 1 + OUTSIDE:
+        if max(radius, last) <= 1 + OUTSIDE:
             return radius
+        if abs(radius - last) <= SETTLED * radius:
+            return radius if radius - _blur(matrix) > 1 else None
         last = radius
     return None
+
+
+def _blur(matrix: Any) -> float:
+    """How far rounding the entries moves the eigenvalue of largest modulus, to first order (Wilkinson, The Algebraic
+    Eigenvalue Problem, 1965, ch. 2): u norm(A) / abs(y* x), x and y its right and left eigenvectors.
+    """
+    import numpy
+    from scipy.linalg import eig
+
+    values, left, right = eig(matrix, left=True, right=True)
+    largest = int(numpy.abs(values).argmax())
+    cosine = abs(numpy.vdot(left[:, largest], right[:, largest]))
+    return float(numpy.finfo(float).eps * numpy.linalg.norm(matrix) / max(cosine, numpy.finfo(float).tiny))
 
 
 def _set_check(found: StableSet, lam: Fraction, verdict: Verdict) -> str:

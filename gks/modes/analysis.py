@@ -11,6 +11,7 @@ from typing import Literal
 from gks.errors import InputError
 from gks.modes.admissible import Candidate
 from gks.modes.algebraic import Position, Root, Side, isolated_roots, primitive
+from gks.modes.candidates import candidates_of
 from gks.modes.cauchy import degree_in
 from gks.modes.fibre import VanishesIdentically, fibre, univariate
 from gks.modes.foreign import ForeignZeros, genuine
@@ -128,11 +129,13 @@ class _Found:
 
 
 def _modes_beside(interior: str | None, problem: NormalModeProblem) -> _Found:
-    """The modes; where the interior is unstable they are a courtesy, and what keeps them from being found is no
-    fault.
+    """The modes; where the interior is unstable they are a courtesy: what keeps them from being found is no fault, and
+    they are not worth minutes.
     """
     if interior is None:
         return _modes_found(problem)
+    if laborious(problem):
+        return _Found([], [], True, "exact")
     try:
         require_square(problem)
         modes, doubts = _modes(problem)
@@ -287,24 +290,3 @@ def eliminated(problem: NormalModeProblem) -> Elimination:
 
 def _modulus_text(problem: NormalModeProblem, candidate: Candidate) -> str:
     return text_real(modulus_of(z_ball(problem, candidate)))
-
-
-def candidates_of(problem: NormalModeProblem, factor: Factor) -> Iterator[Candidate]:
-    """The points at which a factor vanishes: z itself, or s with every z that the integrator gives it."""
-    for sigma in isolated_roots(univariate(factor.polynomial, problem.variable), is_square_free=True):
-        if problem.variable == "z":
-            yield Candidate(sigma, sigma, factor.multiplicity, sigma.position, factor.sheets)
-        elif problem.time_map is None:
-            yield Candidate(sigma, None, factor.multiplicity, _POSITION[sigma.side], factor.sheets)
-        else:
-            try:
-                images = fibre({**problem.coefficients.point(), "s": sigma}, problem.time_map, "z")
-            except VanishesIdentically:
-                continue
-            for image in images:
-                many = image.multiplicity
-                yield Candidate(sigma, image.root, factor.multiplicity * many, image.position, factor.sheets, many)
-
-
-_POSITION = {Side.LEFT: Position.INSIDE, Side.AXIS: Position.ON, Side.RIGHT: Position.OUTSIDE}
-"""z = exp(lam s) lies inside the circle when Re s < 0."""

@@ -34,6 +34,7 @@ KERNEL_BITS = 4 * START_BITS
 class ExactPoint:
     """What Delta is at a candidate on the circle: ``order`` is a lower bound of its order of vanishing."""
 
+    candidate: Candidate
     kind: ModeKind
     order: int
     families: tuple[Admissible, ...]
@@ -47,14 +48,14 @@ def exact_point(problem: NormalModeProblem, candidate: Candidate, most: int) -> 
     families = tuple(admissible(problem, family, candidate) for family in problem.families)
     certain = _certain_pivots(_ball_matrix(problem, candidate, families))
     if certain == problem.size:
-        return ExactPoint(ModeKind.INADMISSIBLE, 0, families)
+        return ExactPoint(candidate, ModeKind.INADMISSIBLE, 0, families)
     series = [_Series(problem, family, candidate, most + 1) for family in problem.families]
     all_columns, strict = _columns(problem, candidate, families, series)
     kernel = _nullity(all_columns)
     if kernel < problem.size - certain or not kernel:
         raise Undecided("a determinant that vanishes to all digits was not proved to vanish")
     kind = ModeKind.EIGENVALUE if _nullity(strict) == kernel else ModeKind.GENERALIZED
-    return ExactPoint(kind, _order(all_columns, most + 1), families)
+    return ExactPoint(candidate, kind, _order(all_columns, most + 1), families)
 
 
 # The whole matrix, in balls -------------------------------------------------------------------------------------------

@@ -93,7 +93,7 @@ def genuine(problem: NormalModeProblem, counted: WideModes) -> WideModes:
     """
     kept = replace(counted, modes=[], places=[], doubts=list(counted.doubts))
     for mode, place in zip(counted.modes, counted.places, strict=True):
-        if not isinstance(place, int) and _gives_solutions(problem, place):
+        if not isinstance(place, Candidate) and _gives_solutions(problem, place):
             kept.modes.append(mode)
             kept.places.append(place)
         elif mode.modulus >= 1:

@@ -9,10 +9,10 @@ spatial roots): they cost precision, never truth.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from math import inf, lgamma, log, log2
 
-from flint import fmpz_mpoly
+from flint import arb, fmpz_mpoly
 
 from gks.modes.algebraic import Root, isolated_roots
 from gks.modes.fibre import univariate
@@ -22,9 +22,12 @@ _SLACK = 2.0
 """Bits added to each factor of a bound, above anything the double-precision logarithms lose."""
 
 
-def zero_exponent(problem: NormalModeProblem, sigma: Root | None) -> float:
+def zero_exponent(problem: NormalModeProblem, sigma: Root | None, used: Mapping[int, int] | None = None) -> float:
     """E such that every minor of the Kreiss matrix at sigma is 0 or larger than 2**-E; sigma None is the point z =
     oo.
+
+    ``used`` says how many different spatial roots of each family the matrix is made of, where they are not all that
+    decay.
     """
     heights = {problem.variable: conjugate_heights(sigma)} if sigma is not None else {problem.variable: [0.0]}
     conjugates = 1
@@ -34,10 +37,10 @@ def zero_exponent(problem: NormalModeProblem, sigma: Root | None) -> float:
             heights[generator.name] = [max(mine)]
             conjugates *= len(mine)
     x = problem.coefficients.context.names().index("x")
-    for family in problem.families:
-        # Ordered choices of the decaying roots among all roots of the symbol.
+    for number, family in enumerate(problem.families):
+        # Ordered choices of the roots among all roots of the symbol.
         degree = int(family.polynomial.degrees()[x])
-        for k in range(min(family.decaying, degree - 1)):
+        for k in range(min(family.decaying if used is None else used.get(number, 0), degree - 1)):
             conjugates *= degree - k
     bounds = [
         _minor_bound(problem, {**{n: h[0] for n, h in heights.items()}, problem.variable: height})
@@ -51,7 +54,7 @@ def conjugate_heights(root: Root) -> list[float]:
     minimal = root.minimal
     lead = abs(int(minimal.poly.leading_coefficient()))
     return [
-        max(0.0, _log2_integer(lead) + max(0.0, _log2_upper(other))) + _SLACK
+        max(0.0, _log2_integer(lead) + max(0.0, log2_upper(abs(other.ball())))) + _SLACK
         for other in isolated_roots(minimal.poly, is_square_free=True)
     ]
 
@@ -63,8 +66,9 @@ def _log2_integer(value: int) -> float:
     return log2(value >> shift) + shift
 
 
-def _log2_upper(root: Root) -> float:
-    size = abs(root.ball()).abs_upper()
+def log2_upper(value: arb) -> float:
+    """log2 of the absolute value, rounded up but for the last digits of a double; -inf for 0."""
+    size = value.abs_upper()
     if size == 0:
         return -inf
     mantissa, exponent = size.man_exp()
@@ -102,4 +106,3 @@ def _minor_bound(problem: NormalModeProblem, heights: dict[str, float]) -> float
     return total
 
 
-__all__ = ["univariate", "zero_exponent"]

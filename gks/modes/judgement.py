@@ -16,15 +16,17 @@ from flint import acb, ctx
 from gks.modes.admissible import Admissible, Candidate, admissible, point_of
 from gks.modes.algebraic import GUARD_BITS, Position, Root
 from gks.modes.coefficients import value_ball
+from gks.modes.conjugates import vanishes
 from gks.modes.crossing import modes_at, regular_problem
+from gks.modes.dependence import nullity
 from gks.modes.fibre import fibre
-from gks.modes.height import zero_exponent
 from gks.modes.kreiss import NormalModeProblem, closure_matrix
 from gks.modes.numerals import midpoint, modulus_of, radius_of
 from gks.modes.order import vanishing_order
-from gks.modes.rank import certain_rank, exact_rank
+from gks.modes.rank import certain_rank
 from gks.modes.sheets import Choice, only_vanishing
 from gks.modes.spatialballs import BallSpace, NotTold, ball_space, has_kernel
+from gks.modes.undecided import Undecided
 from gks.modes.verdict import Mode, ModeKind
 
 CHEAP_BITS = 256
@@ -62,6 +64,40 @@ def judge(problem: NormalModeProblem, candidate: Candidate) -> Mode:
     space = _space(problem, families)
     kind = _kind(problem, candidate, families, space)
     return _mode(problem, candidate, kind, space if kind is not ModeKind.INADMISSIBLE else None)
+
+
+def judged_exactly(problem: NormalModeProblem, candidate: Candidate) -> tuple[Mode, int]:
+    """The same for a candidate of which it is not known that the norm vanishes there, with the dimension of the modes.
+
+    Undecided where that takes too many bits, or a field of a coupled system has no basis of its own.
+    """
+    if problem.coupled:
+        raise Undecided("the solutions of a coupled system where its branches meet are not told apart")
+    point = point_of(problem, candidate)
+    families = [admissible(problem, family, candidate) for family in problem.families]
+    space = _space(problem, families)
+    dimension = nullity(problem, point, [space.roots(k) for k in range(len(problem.blocks))])
+    if not dimension:
+        return _mode(problem, candidate, ModeKind.INADMISSIBLE, None), 0
+    strict = [space.strict.roots(k) for k in range(len(problem.blocks))]
+    decays = not any(space.limiting) or nullity(problem, point, strict) == dimension
+    kind = _KIND[candidate.position] if decays else ModeKind.GENERALIZED
+    return _mode(problem, candidate, kind, space), dimension
+
+
+def judged_zero(problem: NormalModeProblem, candidate: Candidate) -> tuple[Mode, int]:
+    """The same for a candidate on the circle whose spatial roots are likely to be off it: balls tell them then."""
+    try:
+        space = ball_space(problem, candidate)
+    except NotTold:
+        return judged_exactly(problem, candidate)
+    roots = [[Root.of(0)] * b.zeros + list(space.inside[b.family]) for b in problem.blocks]
+    zero = vanishes(problem, candidate.sigma, roots) if sum(map(len, roots)) == problem.size else None
+    if zero is None:
+        raise Undecided("a determinant that vanishes to all digits was not proved to vanish")
+    kind = _KIND[candidate.position] if zero else ModeKind.INADMISSIBLE
+    found = _listed(problem, candidate, kind, lambda domain: _ball_kappas(problem, space, domain, admissible_only=zero))
+    return found, int(zero)
 
 
 def _judged_by_balls(problem: NormalModeProblem, candidate: Candidate) -> Mode:
@@ -157,10 +193,7 @@ def _rank(problem: NormalModeProblem, candidate: Candidate, space: _Space) -> in
     if not _columns(space):
         return 0
     roots = [space.roots(k) for k in range(len(problem.blocks))]
-    return exact_rank(
-        lambda bits: closure_matrix(problem, point_of(problem, candidate), roots, bits),
-        lambda: zero_exponent(problem, candidate.sigma),
-    )
+    return _columns(space) - nullity(problem, point_of(problem, candidate), roots)
 
 
 # Output ---------------------------------------------------------------------------------------------------------------

@@ -154,21 +154,21 @@ def patch(
     roots: list[Jets] = []
     nodes: list[Discs] = []
     for k, symbol in enumerate(tables.symbols):
-        exact = _symbol(symbol, (at[0].value, at[1].value))
+        exact = symbol_over(symbol, (at[0].value, at[1].value))
         centre = approximate(exact.mid, None if start is None else _by_branch(start.spatial[k]))
         near = root_discs(exact, centre)
-        inside, certain = _inside(near) if region is None else region.chosen(k, near)
+        inside, certain = inside_circle(near) if region is None else region.chosen(k, near)
         valid &= certain & (inside.sum(axis=1) == symbol.decaying)
         order = np.lexsort((np.abs(centre), ~inside), axis=1)
         ordered = Discs(near.centre, near.cover)[np.arange(len(order))[:, None], order]
-        nodes.append(_turned_back(symbol, ordered[:, : symbol.decaying]))
+        nodes.append(turned_back(symbol, ordered[:, : symbol.decaying]))
         spatial.append(ordered.mid)
-        coefficients = _symbol(symbol, over)
+        coefficients = symbol_over(symbol, over)
         found = branches_of(coefficients, root_discs(coefficients.value, spatial[k]))
-        roots.append(_turned_back(symbol, found[:, : symbol.decaying]))
+        roots.append(turned_back(symbol, found[:, : symbol.decaying]))
     reach = np.tile((np.abs(disc.mid - node) * UP + disc.rad) * UP, branches)
-    here = _matrix(tables, nodes, (at[0].value, at[1].value))
-    phase, log, relative, change = _determinant(here, _matrix(tables, roots, over), reach)
+    here = closure_over(tables, nodes, (at[0].value, at[1].value))
+    phase, log, relative, change = determinant(here, closure_over(tables, roots, over), reach)
     shape = (branches, points)
     factors = 1 + np.where(valid, change, np.inf).reshape(shape)
     total = factors.prod(axis=0) * (1 + PRODUCT * branches) - 1
@@ -194,9 +194,9 @@ def region_of(tables: DiscTables, chart: Chart, disc: Discs, node: complex) -> R
         return None
     chosen = []
     for symbol in tables.symbols:
-        exact = _symbol(symbol, (at[0].value, at[1].value))
-        inside, certain = _inside(near := root_discs(exact, approximate(exact.mid)))
-        found = root_discs(_symbol(symbol, (over[0].value, over[1].value)), near.centre)
+        exact = symbol_over(symbol, (at[0].value, at[1].value))
+        inside, certain = inside_circle(near := root_discs(exact, approximate(exact.mid)))
+        found = root_discs(symbol_over(symbol, (over[0].value, over[1].value)), near.centre)
         mixed = found.joined & (inside[:, :, None] != inside[:, None, :])
         if not certain.all() or mixed.any() or (inside.sum(axis=1) != symbol.decaying).any():
             return None
@@ -220,12 +220,12 @@ def homogeneous(pair: tuple[Ring, Ring], degree: int) -> Ring:
     return joined([a[k] * b[degree - k] for k in range(degree + 1)], lambda parts: np.stack(parts, 1))
 
 
-def _symbol(symbol: DiscSymbol, pair: tuple[Ring, Ring]) -> Ring:
+def symbol_over(symbol: DiscSymbol, pair: tuple[Ring, Ring]) -> Ring:
     """The coefficients of P in y, ascending: (N, n + 1)."""
     return homogeneous(pair, len(symbol.powers.mid) - 1).times(symbol.powers)
 
 
-def _turned_back(symbol: DiscSymbol, y: Ring) -> Ring:
+def turned_back(symbol: DiscSymbol, y: Ring) -> Ring:
     """x = (y + c)/(1 + conj(c) y)."""
     if not symbol.turn:
         return y
@@ -234,7 +234,7 @@ def _turned_back(symbol: DiscSymbol, y: Ring) -> Ring:
     return (y + one.scaled(turn)) * (one + y.scaled(turn.apply(np.conj))).reciprocal()
 
 
-def _inside(found: RootDiscs) -> tuple[Mask, Mask]:
+def inside_circle(found: RootDiscs) -> tuple[Mask, Mask]:
     """Which roots are inside the unit circle (N, n), and whether that is proved for all of them (N,)."""
     size = np.abs(found.centre)
     with np.errstate(invalid="ignore"):
@@ -248,7 +248,7 @@ def _all(conditions: Mask) -> Mask:
     return np.asarray(np.all(conditions, axis=1))
 
 
-def _matrix(tables: DiscTables, roots: Sequence[Ring], pair: tuple[Ring, Ring]) -> Ring:
+def closure_over(tables: DiscTables, roots: Sequence[Ring], pair: tuple[Ring, Ring]) -> Ring:
     """The Kreiss matrix (N, m, m) in the Newton basis; ``roots`` of every family (N, decaying)."""
     order = np.argsort(np.concatenate([rows.numbers for rows in tables.rows]))
     every = joined([_weights(rows, pair) for rows in tables.rows], lambda parts: np.concatenate(parts, 1)[:, order])
@@ -286,7 +286,7 @@ def newton_basis(roots: Ring, count: int) -> list[Ring]:
     return rows[:count]
 
 
-def _determinant(node: Discs, over: Jets, reach: Array) -> tuple[Array, Array, Array, Array]:
+def determinant(node: Discs, over: Jets, reach: Array) -> tuple[Array, Array, Array, Array]:
     """Phase, logarithm and relative size of det at the nodes, and the bound of its relative change over the discs.
 
     The change of R M over a disc is bounded by its slope where that is finite, else by the values.

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from gks.errors import NotAnalysable
+from gks.modes.admissible import Candidate
 from gks.modes.analysis import judged
 from gks.modes.eigenspace import Eigenspace, enclosed_space, exact_space
-from gks.modes.exactpoint import rational_candidate
 from gks.modes.kreiss import NormalModeProblem, spatial_problem
 from gks.modes.undecided import Undecided
 from gks.modes.verdict import Mode, ModesResult
@@ -34,11 +34,8 @@ def _counted(problem: NormalModeProblem, mode: Mode) -> tuple[Eigenspace, bool]:
     place = next((place for each, place in zip(wide.modes, wide.places, strict=True) if _same(each, mode)), None)
     if place is None:
         raise NotAnalysable("the mode is none of this scheme at these values")
-    if isinstance(place, int):
-        candidate = rational_candidate(problem, place)
-        if candidate is None:
-            raise NotAnalysable("the mode is none of this scheme at these values")
-        return exact_space(problem, candidate), True
+    if isinstance(place, Candidate):
+        return exact_space(problem, place), True
     space = enclosed_space(problem, place)
     if space is None:
         raise NotAnalysable("the mode is one of several that are not told apart, or its spatial factors are not")

@@ -14,6 +14,7 @@ import numpy as np
 
 from gks.modes.chart import Chart
 from gks.modes.discs import Discs
+from gks.modes.glancing import GlancingPocket, GlancingPoints
 from gks.modes.kreissdiscs import Region, region_of
 from gks.modes.tables import DiscTables
 from gks.modes.winding import CIRCLE_STEP, Walk, full_circle, half_circle, walk
@@ -52,27 +53,33 @@ class Circle:
 
     walk: Walk
     pockets: tuple[Pocket, ...]
+    glancing: tuple[GlancingPocket, ...]
 
     @property
     def count(self) -> int:
         return round(self.walk.zeros)
 
 
-def circled(tables: DiscTables, chart: Chart) -> Circle:
+def circled(tables: DiscTables, chart: Chart, points: GlancingPoints) -> Circle:
     """Finds the pockets and walks round them; what stays stuck is in the walk."""
     pockets: list[Pocket] = []
+    glancing = _glancing(points, points.of_conservative(), (), SMALLEST[0])
     for smallest in SMALLEST:
-        around = walk(tables, chart, half_circle([(p.centre, p.radius) for p in pockets]), smallest)
+        taken = [(p.centre, p.radius) for p in (*pockets, *glancing)]
+        around = walk(tables, chart, half_circle(taken), smallest)
         if not around.stuck or smallest == SMALLEST[-1]:
             break
         places = _gathered(around.stuck, smallest)
         for place in places:
             others = [(other.centre, other.reach) for other in places if other is not place]
-            others += [(p.centre, p.radius) for p in pockets]
+            others += [(p.centre, p.radius) for p in (*pockets, *glancing)]
             found = _pocket(tables, chart, place, others, smallest)
             if found is not None:
                 pockets.append(found)
-    return Circle(around, tuple(pockets))
+            elif place.centre.imag:
+                taken = [(p.centre, p.radius) for p in (*pockets, *glancing)]
+                glancing += _glancing(points, points.near(place.centre, place.reach), taken, smallest)
+    return Circle(around, tuple(pockets), tuple(glancing))
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,6 +120,19 @@ def _radii(place: Place, others: Sequence[tuple[complex, float]]) -> Iterator[fl
         if radius <= most:
             yield radius
         radius /= 2
+
+
+def _glancing(
+    points: GlancingPoints, centres: Sequence[complex], taken: Sequence[tuple[complex, float]], smallest: float
+) -> list[GlancingPocket]:
+    """Pockets round glancing points; they need not hold all of a stretch, since shorter steps come closer."""
+    found: list[GlancingPocket] = []
+    for k, centre in enumerate(centres):
+        others = [*taken, *((p.centre, p.radius) for p in found), *((other, 0.0) for other in centres[k + 1 :])]
+        met = points.pocket(centre, _radii(Place(centre, smallest), others), smallest)
+        if met is not None:
+            found.append(met)
+    return found
 
 
 def _pocket(

@@ -26,6 +26,11 @@ def ball_rank(matrix: Matrix) -> int | None:
     return rank if rest is None else None
 
 
+def pivots(matrix: Matrix) -> int:
+    """How many pivots balls keep away from 0, at the precision in force: the rank is no smaller."""
+    return _eliminate(matrix)[0]
+
+
 def certain_rank(matrix_at: Callable[[int], Matrix], most: int) -> int | None:
     """The rank where pivots that ``most`` bits keep away from 0 use up all rows or columns; None where some are
     left.

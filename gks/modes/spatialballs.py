@@ -16,6 +16,7 @@ from flint import acb, acb_poly, ctx, fmpz_mpoly
 
 from gks.modes.admissible import Candidate, point_of
 from gks.modes.algebraic import GUARD_BITS, START_BITS, Position, Root, newton_refined
+from gks.modes.conjugates import vanishes
 from gks.modes.coupled import CoupledField
 from gks.modes.fibre import at_balls
 from gks.modes.fibre import coefficients as powers_of
@@ -34,20 +35,26 @@ class BallRoot:
 
     def __init__(self, symbol: _Symbol, ball: acb) -> None:
         self._symbol = symbol
-        self._ball = ball
+        self._first = ball
+        self._fine: dict[int, acb] = {}
 
     def ball(self, bits: int = START_BITS) -> acb:
-        """A ball with this root alone, relative radius at most ``2**-bits``; NotTold where it would not shrink."""
-        if self._ball.rel_accuracy_bits() < bits:
-            refined = newton_refined(self._ball, bits, self._symbol.values)
+        """A ball with this root alone, relative radius at most ``2**-bits``; NotTold where it would not shrink.
+
+        It depends on ``bits`` alone, not on what was asked before.
+        """
+        if self._first.rel_accuracy_bits() >= bits:
+            return self._first
+        if bits not in self._fine:
+            refined = newton_refined(self._first, bits, self._symbol.values)
             if refined is None:
                 raise NotTold
-            self._ball = refined
-        return self._ball
+            self._fine[bits] = refined
+        return self._fine[bits]
 
     def position(self) -> Position:
         """Inside or outside the circle; NotTold where balls do not say."""
-        bits, ball = START_BITS, self._ball
+        bits, ball = START_BITS, self._first
         while bits <= TELLING_BITS:
             with ctx.workprec(bits + GUARD_BITS):
                 size = abs(ball)
@@ -174,6 +181,11 @@ def has_kernel(
     known = order() if columns == problem.size else None
     if known is not None:
         return known > 0
+    if columns == problem.size:
+        roots = [[*([Root.of(0)] * b.zeros), *space.inside[b.family]] for b in problem.blocks]
+        zero = vanishes(problem, candidate.sigma, roots)
+        if zero is not None:
+            return zero
     return columns > exact_rank(
         _matrices(problem, point, space.inside), lambda: zero_exponent(problem, candidate.sigma)
     )

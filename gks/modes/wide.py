@@ -12,19 +12,24 @@ every verdict but ``unstable``.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 
 from flint import acb, ctx
 
+from gks.modes.admissible import Candidate
 from gks.modes.algebraic import GUARD_BITS, Root
+from gks.modes.candidates import conjugate
 from gks.modes.chart import Chart, chart_of
 from gks.modes.exactpoint import ExactPoint, exact_point, rational_candidate
+from gks.modes.glancing import GlancingPocket, GlancingPoints
 from gks.modes.inner import just_inside
+from gks.modes.judgement import judged_zero
 from gks.modes.kreiss import NormalModeProblem
 from gks.modes.numerals import ComplexNumber, midpoint, modulus_of, radius_of, text_real
 from gks.modes.pockets import Circle, Pocket, circled
 from gks.modes.polish import PRECISIONS, Found, Polisher
+from gks.modes.recognised import candidate_at
 from gks.modes.tables import DiscTables, disc_tables
 from gks.modes.undecided import Undecided
 from gks.modes.verdict import Mode, ModeKind
@@ -43,11 +48,11 @@ MOST_DOUBTS = 3
 class WideModes:
     """The modes with abs(z) >= 1 and those found just inside, whether that is proved, and what stayed open.
 
-    ``places`` says where each of the modes was found: a polished zero, or 1 or -1 judged exactly.
+    ``places`` says where each of the modes was found: a polished zero, or a point that was judged exactly.
     """
 
     modes: list[Mode] = field(default_factory=list)
-    places: list[Found | int] = field(default_factory=list)
+    places: list[Found | Candidate] = field(default_factory=list)
     certified: bool = True
     doubts: list[str] = field(default_factory=list)
 
@@ -62,13 +67,15 @@ def wide_modes(problem: NormalModeProblem, *, inner: bool = False) -> WideModes:
     With ``inner`` those just inside the circle are looked for as well, which has no part in the proof.
     """
     tables, chart = disc_tables(problem), chart_of(problem)
-    circle = circled(tables, chart)
+    circle = circled(tables, chart, GlancingPoints(problem, tables, chart))
     if circle.walk.relative.max(initial=0.0) < DEGENERATE:
         raise VanishingDeterminant
     search = _Search(problem, tables, chart, Polisher(problem, chart, tables), circle)
     search.inside()
     for pocket in circle.pockets:
         search.pocket(pocket)
+    for point in circle.glancing:
+        search.glancing(point)
     open_ = list(_unsettled(circle))
     for w in open_[:MOST_DOUBTS]:
         search.doubt(f"whether a mode lies near z = {1 / w:.6g} is open: spatial roots meet there")
@@ -118,11 +125,10 @@ class _Search:
 
     def inner(self) -> None:
         """Modes just inside the circle that no pocket held."""
-        known = [place.z for place in self.result.places if not isinstance(place, int)]
+        known = [place.z for place in self.result.places if isinstance(place, Found)]
         for each in _with_mirrors(just_inside(self.polisher)):
             if not any(each.z.overlaps(other) for other in known):
-                self.result.modes.append(_mode(self.problem, each, ModeKind.DECAYING))
-                self.result.places.append(each)
+                self._note(_mode(self.problem, each, ModeKind.DECAYING), each)
 
     def pocket(self, pocket: Pocket) -> None:
         """The zeros in a pocket, and for one off the real axis those in its mirror image."""
@@ -133,8 +139,7 @@ class _Search:
         exact = None if pocket.centre.imag or not count else self._exact(round(pocket.centre.real), count)
         where = f"near z = {1 / pocket.centre:.6g}"
         if exact is not None:
-            self.result.modes.append(_exact_mode(self.problem, exact, round(pocket.centre.real)))
-            self.result.places.append(round(pocket.centre.real))
+            self._note(_exact_mode(self.problem, exact, round(pocket.centre.real)), exact.candidate)
         # The moments about the centre of a pocket do not see the zeros that are the centre.
         left = count - (exact.order if exact is not None else 0)
         near = seeds(pocket.walk, pocket.centre, pocket.radius, count) if left else []
@@ -149,6 +154,35 @@ class _Search:
             self._take([_mirrored(each) for each in found], left, where)
         else:
             self._take(_with_mirrors(found), left, where)
+
+    def _on_circle(self, zero: Found) -> bool:
+        """Whether a simple zero that balls do not tell from the circle is proved to lie on it, and its mode is noted."""
+        sigma = zero.sigma(self.problem) if zero.proved and zero.multiplicity == 1 else None
+        if sigma is None:
+            return False
+        for mode, place in zip(self.result.modes, self.result.places, strict=True):
+            if isinstance(place, Candidate) and place.sigma.ball().conjugate().overlaps(sigma):
+                self._note(_conjugate_mode(mode), conjugate(place))
+                return True
+        candidate = candidate_at(self.problem, sigma, zero.z)
+        try:
+            mode, dimension = (None, 0) if candidate is None else judged_zero(self.problem, candidate)
+        except Undecided:
+            return False
+        if mode is None or candidate is None or not dimension:
+            return False
+        self._note(mode, candidate)
+        return True
+
+    def _note(self, mode: Mode, place: Found | Candidate) -> None:
+        self.result.modes.append(mode)
+        self.result.places.append(place)
+
+    def glancing(self, pocket: GlancingPocket) -> None:
+        """The mode at a glancing point, where there is one, and its conjugate."""
+        if pocket.mode is not None:
+            self._note(pocket.mode, pocket.candidate)
+            self._note(_conjugate_mode(pocket.mode), conjugate(pocket.candidate))
 
     def _exact(self, z: int, most: int) -> ExactPoint | None:
         """The judgement of z = 1 or z = -1; None where Delta does not vanish there, or that is left open."""
@@ -165,6 +199,8 @@ class _Search:
     def _take(self, found: Sequence[Found], count: int, where: str) -> None:
         for each in found:
             kind = _kind(each.z)
+            if kind is None and self._on_circle(each):
+                continue
             if kind is None:
                 distance = text_real(radius_of(each.z)) if each.z.is_finite() else "any distance"
                 self.doubt(f"a mode {where} is not told from abs(z) = 1, to within {distance}")
@@ -175,8 +211,7 @@ class _Search:
             self.result.certified &= each.proved
             if kind is ModeKind.DECAYING and not all(abs(x) < 1 for roots in each.roots for x in roots):
                 continue  # a zero across the circle whose spatial part has ceased to decay is no mode
-            self.result.modes.append(_mode(self.problem, each, kind))
-            self.result.places.append(each)
+            self._note(_mode(self.problem, each, kind), each)
         number = sum(each.multiplicity for each in found)
         if number != count:
             self.doubt(f"{count} zeros of the determinant were counted {where} and {number} found")
@@ -222,6 +257,11 @@ def _mode(problem: NormalModeProblem, found: Found, kind: ModeKind) -> Mode:
             # It may be real: the wider disc round the real midpoint holds it all the same.
             imaginary, radius = Fraction(0), radius + abs(imaginary)
         return Mode((real, imaginary), modulus_of(found.z), radius, found.multiplicity, kind, kappa)
+
+
+def _conjugate_mode(mode: Mode) -> Mode:
+    kappa = {name: tuple((real, -imaginary) for real, imaginary in each) for name, each in mode.kappa.items()}
+    return replace(mode, z=(mode.z[0], -mode.z[1]), kappa=kappa)
 
 
 def _exact_mode(problem: NormalModeProblem, point: ExactPoint, z: int) -> Mode:

@@ -18,6 +18,7 @@ import numpy as np
 from gks.modes.chart import Chart
 from gks.modes.discs import Array, ComplexArray, Discs
 from gks.modes.kreissdiscs import Index, Patch, Region, Start, patch
+from gks.modes.kreisspairs import PairedRegion, paired_patch
 from gks.modes.tables import DiscTables
 
 FIRST_STEP = pi / 128
@@ -144,11 +145,12 @@ def walk(
     chart: Chart,
     pieces: Sequence[Piece],
     smallest: float,
-    region: Region | None = None,
+    region: Region | PairedRegion | None = None,
 ) -> Walk:
     """Walks along the pieces with steps no shorter than ``smallest`` (half-length in w).
 
-    With a region, its discs instead of the modulus tell the decaying roots.
+    With a region, its discs instead of the modulus tell the decaying roots; with one that has pairs, Delta is taken
+    over both choices of their roots, and the walk is that of the product.
     """
     pending = _first(pieces)
     start: Start | None = None
@@ -177,16 +179,27 @@ COPIES = 24
 
 
 def _patches(
-    tables: DiscTables, chart: Chart, disc: Discs, node: ComplexArray, start: Start | None, region: Region | None
+    tables: DiscTables,
+    chart: Chart,
+    disc: Discs,
+    node: ComplexArray,
+    start: Start | None,
+    region: Region | PairedRegion | None,
 ) -> Patch:
-    """As `patch`, in portions that fit in memory."""
+    """As `patch` or `paired_patch`, in portions that fit in memory."""
+
+    def over(disc: Discs, node: ComplexArray, start: Start | None) -> Patch:
+        if isinstance(region, PairedRegion):
+            return paired_patch(tables, chart, disc, node, start, region)
+        return patch(tables, chart, disc, node, start, region)
+
     matrix = tables.size * sum(tables.longest)
     roots = sum(symbol.powers.mid.shape[1] ** 2 for symbol in tables.symbols)
     portion = max(1, MOST_BYTES // (16 * COPIES * chart.branches * (matrix + roots)))
     if len(node) <= portion:
-        return patch(tables, chart, disc, node, start, region)
+        return over(disc, node, start)
     places = [np.arange(k, min(k + portion, len(node))) for k in range(0, len(node), portion)]
-    return Patch.join([patch(tables, chart, disc[at], node[at], start and start.take(at), region) for at in places])
+    return Patch.join([over(disc[at], node[at], start and start.take(at)) for at in places])
 
 
 def _first(pieces: Sequence[Piece]) -> _Steps:

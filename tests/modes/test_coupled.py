@@ -15,7 +15,8 @@ from gks.errors import InputError, NotAnalysable, SchemeError
 from gks.modes import characteristic
 from gks.modes.admissible import Candidate, admissible, crossing_slopes, point_of
 from gks.modes.algebraic import Position, Root
-from gks.modes.analysis import analyse, candidates_of, eliminated
+from gks.modes.analysis import analyse, eliminated
+from gks.modes.candidates import candidates_of
 from gks.modes.coupled import CoupledField
 from gks.modes.crossing import modes_at
 from gks.modes.fibre import fibre

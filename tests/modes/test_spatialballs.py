@@ -9,7 +9,8 @@ from flint import acb, arb, ctx, fmpz_poly
 
 from gks.catalogue import find
 from gks.modes.algebraic import Position, isolated_roots, isolation, newton_refined
-from gks.modes.analysis import analyse, candidates_of, eliminated
+from gks.modes.analysis import analyse, eliminated
+from gks.modes.candidates import candidates_of
 from gks.modes.judgement import judge
 from gks.modes.kreiss import NormalModeProblem, normal_mode_problem
 from gks.modes.polynomial import characteristic_factors
