@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from time import perf_counter
@@ -10,17 +10,17 @@ from typing import Literal
 
 from gks.errors import InputError
 from gks.modes.admissible import Candidate
-from gks.modes.algebraic import Position, Root, Side, isolated_roots, primitive
+from gks.modes.algebraic import Position, Root, primitive
 from gks.modes.candidates import candidates_of
 from gks.modes.cauchy import degree_in
-from gks.modes.fibre import VanishesIdentically, fibre, univariate
+from gks.modes.fibre import univariate
 from gks.modes.foreign import ForeignZeros, genuine
 from gks.modes.interior import interior_stability
 from gks.modes.judgement import judge, z_ball
 from gks.modes.kreiss import NormalModeProblem, normal_mode_problem, require_square, spatial_problem
 from gks.modes.numerals import modulus_of, text_real
 from gks.modes.order import multiplicity
-from gks.modes.polynomial import Degenerate, Elimination, Factor, TooWide, characteristic_factors
+from gks.modes.polynomial import Degenerate, Elimination, TooWide, characteristic_factors
 from gks.modes.route import beyond_elimination, laborious
 from gks.modes.solvable import degenerate_closure, determines_next_level, independent_at_sample
 from gks.modes.undecided import Undecided

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from math import inf
 
 import numpy as np
 from flint import acb, ctx, fmpz_mpoly
@@ -33,12 +34,15 @@ from gks.modes.polynomial import Factor
 from gks.modes.tables import DiscTables
 from gks.modes.undecided import Undecided
 from gks.modes.verdict import Mode
-from gks.modes.winding import full_circle, walk
+from gks.modes.winding import FEW_STEPS, full_circle, walk
 
 WIDEST = 16
 """Degree of a symbol in x up to which its discriminant is taken: tenths of a second."""
 SAME = 2.0**-40
 """Distance up to which glancing points of two families are looked at as one; whether they are is decided exactly."""
+CROWDED = 16.0
+"""How much smaller the next pocket is that is tried where one holds another zero, which lies near its boundary for all
+that is known: its own pocket needs a fraction of its distance."""
 ROOM = 1 + 2.0**-4 + 0.125
 """How much wider than a pocket its region is: the discs along its boundary lie in it."""
 
@@ -102,14 +106,20 @@ class GlancingPoints:
         return found
 
     def pocket(self, centre: complex, radii: Iterable[float], smallest: float) -> GlancingPocket | None:
-        """The first pocket round a glancing point in which all zeros are at that point."""
+        """The first pocket round a glancing point in which all zeros are at that point.
+
+        One that leaves out a zero of a larger pocket leaves room for a pocket of that zero's own.
+        """
+        crowded = inf
         for radius in radii:
+            if radius > crowded / CROWDED:
+                continue
             disc = Discs(np.array([centre]), np.array([ROOM * radius]))
             region = paired_region(self._tables, self._chart, disc, centre / abs(centre) * (1 - radius / 2))
             candidate = None if region is None else self._only(region, centre, radius)
             if region is None or candidate is None:
                 continue
-            around = walk(self._tables, self._chart, full_circle(centre, radius), smallest * radius, region)
+            around = walk(self._tables, self._chart, full_circle(centre, radius), smallest * radius, region, FEW_STEPS)
             if around.stuck:
                 continue
             count = round(around.zeros)
@@ -118,6 +128,7 @@ class GlancingPoints:
                 return GlancingPocket(centre, radius, 0, candidate, None)
             if judged is not None and judged[1] == count:
                 return GlancingPocket(centre, radius, count, candidate, replace(judged[0], multiplicity=count))
+            crowded = min(crowded, radius)
         return None
 
     def _only(self, region: PairedRegion, centre: complex, radius: float) -> Candidate | None:

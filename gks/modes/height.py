@@ -15,7 +15,6 @@ from math import inf, lgamma, log, log2
 from flint import arb, fmpz_mpoly
 
 from gks.modes.algebraic import Root, isolated_roots
-from gks.modes.fibre import univariate
 from gks.modes.kreiss import NormalModeProblem
 
 _SLACK = 2.0
@@ -104,5 +103,3 @@ def _minor_bound(problem: NormalModeProblem, heights: dict[str, float]) -> float
         total += max(term.n + problem.blocks[term.block].width for term in row)
         total += sum(n * scales[family] for family, n in reach.items())
     return total
-
-

@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +30,10 @@ from gks.modes.tables import DiscRows, DiscSymbol, DiscTables
 Index = NDArray[np.intp]
 
 
+SMALL_LEAD = 2.0**-8
+"""A leading coefficient that much smaller than the largest one, or more, says that a root may be near infinity."""
+
+
 @dataclass(frozen=True, slots=True)
 class Start:
     """Where root finding starts at the points of a batch: roots mu of the integrator, spatial roots of each family."""
@@ -36,7 +41,7 @@ class Start:
     stages: ComplexArray
     """(N, branches), without columns where the chart needs none."""
     spatial: tuple[ComplexArray, ...]
-    """(N, branches, n) of every family, the decaying roots first."""
+    """(N, branches, n) of every family, the decaying roots first; in y where its symbol is turned."""
 
     def take(self, index: Index) -> Start:
         """The points at the places given."""
@@ -154,18 +159,19 @@ def patch(
     roots: list[Jets] = []
     nodes: list[Discs] = []
     for k, symbol in enumerate(tables.symbols):
-        exact = symbol_over(symbol, (at[0].value, at[1].value))
-        centre = approximate(exact.mid, None if start is None else _by_branch(start.spatial[k]))
-        near = root_discs(exact, centre)
+        plain = led(symbol, over) if region is None else np.zeros(points * branches, bool)
+        exact = symbol_over(symbol, (at[0].value, at[1].value), plain)
+        hint = None if start is None else turned_to(symbol, _by_branch(start.spatial[k]), plain)
+        near = root_discs(exact, approximate(exact.mid, hint))
         inside, certain = inside_circle(near) if region is None else region.chosen(k, near)
         valid &= certain & (inside.sum(axis=1) == symbol.decaying)
-        order = np.lexsort((np.abs(centre), ~inside), axis=1)
+        order = np.lexsort((np.abs(near.centre), ~inside), axis=1)
         ordered = Discs(near.centre, near.cover)[np.arange(len(order))[:, None], order]
-        nodes.append(turned_back(symbol, ordered[:, : symbol.decaying]))
-        spatial.append(ordered.mid)
-        coefficients = symbol_over(symbol, over)
-        found = branches_of(coefficients, root_discs(coefficients.value, spatial[k]))
-        roots.append(turned_back(symbol, found[:, : symbol.decaying]))
+        nodes.append(turned_back(symbol, ordered[:, : symbol.decaying], plain))
+        spatial.append(turned_from(symbol, ordered.mid, plain))
+        coefficients = symbol_over(symbol, over, plain)
+        found = branches_of(coefficients, root_discs(coefficients.value, ordered.mid))
+        roots.append(turned_back(symbol, found[:, : symbol.decaying], plain))
     reach = np.tile((np.abs(disc.mid - node) * UP + disc.rad) * UP, branches)
     here = closure_over(tables, nodes, (at[0].value, at[1].value))
     phase, log, relative, change = determinant(here, closure_over(tables, roots, over), reach)
@@ -193,10 +199,11 @@ def region_of(tables: DiscTables, chart: Chart, disc: Discs, node: complex) -> R
     if covers is None:
         return None
     chosen = []
+    turned = np.zeros(chart.branches, bool)
     for symbol in tables.symbols:
-        exact = symbol_over(symbol, (at[0].value, at[1].value))
+        exact = symbol_over(symbol, (at[0].value, at[1].value), turned)
         inside, certain = inside_circle(near := root_discs(exact, approximate(exact.mid)))
-        found = root_discs(symbol_over(symbol, (over[0].value, over[1].value)), near.centre)
+        found = root_discs(symbol_over(symbol, (over[0].value, over[1].value), turned), near.centre)
         mixed = found.joined & (inside[:, :, None] != inside[:, None, :])
         if not certain.all() or mixed.any() or (inside.sum(axis=1) != symbol.decaying).any():
             return None
@@ -220,18 +227,63 @@ def homogeneous(pair: tuple[Ring, Ring], degree: int) -> Ring:
     return joined([a[k] * b[degree - k] for k in range(degree + 1)], lambda parts: np.stack(parts, 1))
 
 
-def symbol_over(symbol: DiscSymbol, pair: tuple[Ring, Ring]) -> Ring:
-    """The coefficients of P in y, ascending: (N, n + 1)."""
-    return homogeneous(pair, len(symbol.powers.mid) - 1).times(symbol.powers)
-
-
-def turned_back(symbol: DiscSymbol, y: Ring) -> Ring:
-    """x = (y + c)/(1 + conj(c) y)."""
+def led(symbol: DiscSymbol, pair: tuple[Jets, Jets]) -> Mask:
+    """Where no spatial root is near infinity (N,), so that they are sought in x."""
     if not symbol.turn:
+        return np.ones(len(pair[0].value.mid), bool)
+    values = homogeneous(_normalised((pair[0].value, pair[1].value)), len(symbol.plain.mid) - 1).times(symbol.plain)
+    return np.asarray(values.lower()[:, -1] > SMALL_LEAD * values.upper().max(axis=1))
+
+
+def symbol_over(symbol: DiscSymbol, pair: tuple[Ring, Ring], plain: Mask) -> Ring:
+    """The coefficients of P, ascending: (N, n + 1); in x where ``plain`` (N,), else in y.
+
+    Up to a power of a or b, whichever is the larger: with that one 1 only one number varies over a disc.
+    """
+    table = homogeneous(_normalised(pair), len(symbol.powers.mid) - 1)
+    if not symbol.turn or plain.all():
+        return table.times(symbol.plain)
+    turned = table.times(symbol.powers)
+    return _select(plain, table.times(symbol.plain), turned) if plain.any() else turned
+
+
+def _normalised(pair: tuple[Ring, Ring]) -> tuple[Ring, Ring]:
+    a, b = pair
+    sizes = [np.abs(x.mid if isinstance(x, Discs) else x.value.mid) for x in pair]
+    one = type(a).exact(np.ones(sizes[0].shape, complex))
+    finite = sizes[0] <= sizes[1]
+    return _select(finite, a * b.reciprocal(), one), _select(finite, one, b * a.reciprocal())
+
+
+def _select(first: Mask, one: Ring, other: Ring) -> Ring:
+    """Rows of the one where ``first`` (N,), of the other elsewhere."""
+    return joined([one, other], lambda parts: np.where(_beside(first, parts[0]), parts[0], parts[1]))
+
+
+def _beside(rows: Mask, values: NDArray[Any]) -> Mask:
+    return rows.reshape(rows.shape + (1,) * (values.ndim - 1))
+
+
+def turned_back(symbol: DiscSymbol, y: Ring, plain: Mask) -> Ring:
+    """x = (y + c)/(1 + conj(c) y), but where it is x already."""
+    if not symbol.turn or plain.all():
         return y
     one = type(y).exact(np.ones((y.mid if isinstance(y, Discs) else y.value.mid).shape, complex))
     turn = Discs.exact(np.asarray(symbol.turn))
-    return (y + one.scaled(turn)) * (one + y.scaled(turn.apply(np.conj))).reciprocal()
+    x = (y + one.scaled(turn)) * (one + y.scaled(turn.apply(np.conj))).reciprocal()
+    return _select(plain, y, x)
+
+
+def turned_to(symbol: DiscSymbol, y: ComplexArray, plain: Mask) -> ComplexArray:
+    """Points in y as approximate points in x where that is ``plain``."""
+    turn = symbol.turn
+    return np.where(plain[:, None], (y + turn) / (1 + turn.conjugate() * y), y) if turn else y
+
+
+def turned_from(symbol: DiscSymbol, x: ComplexArray, plain: Mask) -> ComplexArray:
+    """The other way."""
+    turn = symbol.turn
+    return np.where(plain[:, None], (x - turn) / (1 - turn.conjugate() * x), x) if turn else x
 
 
 def inside_circle(found: RootDiscs) -> tuple[Mask, Mask]:

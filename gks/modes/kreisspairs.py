@@ -21,7 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gks.modes.chart import Chart
-from gks.modes.discs import PRODUCT, UP, ComplexArray, Discs, Jets
+from gks.modes.discs import PRODUCT, UNIT, UP, Array, ComplexArray, Discs, Jets
 from gks.modes.kreissdiscs import (
     Index,
     Patch,
@@ -29,6 +29,7 @@ from gks.modes.kreissdiscs import (
     closure_over,
     determinant,
     inside_circle,
+    led,
     symbol_over,
     turned_back,
 )
@@ -42,12 +43,13 @@ class Neighbourhood:
     """A family's roots over a disc of w: discs (n,) around them, the decaying ones first, then those of the pair.
 
     ``alone`` is the number of decaying roots that meet no other; ``apart`` is decaying less not decaying of the pair at
-    the node, None where the family has no pair.
+    the node, None where the family has no pair. All in x where ``plain``, else in y.
     """
 
     discs: Discs
     alone: int
     apart: complex | None
+    plain: bool
 
     @property
     def pair(self) -> int:
@@ -93,24 +95,26 @@ def paired_region(tables: DiscTables, chart: Chart, disc: Discs, node: complex) 
     )
     families = []
     for symbol in tables.symbols:
-        exact = symbol_over(symbol, (at[0].value, at[1].value))
+        plain = led(symbol, over)
+        exact = symbol_over(symbol, (at[0].value, at[1].value), plain)
         near = root_discs(exact, approximate(exact.mid))
         inside, certain = inside_circle(near)
         if not certain.all() or inside.sum() != symbol.decaying:
             return None
-        middle = symbol_over(symbol, (centre[0].value, centre[1].value))
-        spread = symbol_over(symbol, (over[0].value, over[1].value))
+        middle = symbol_over(symbol, (centre[0].value, centre[1].value), plain)
+        spread = symbol_over(symbol, (over[0].value, over[1].value), plain)
         groups = _groups(middle, spread)
-        family = None if groups is None else _neighbourhood(groups, near, inside[0])
+        family = None if groups is None else _neighbourhood(groups, near, inside[0], plain=bool(plain.all()))
         # Where a root passes x = oo Delta has a pole, which a winding number would count against its zeros.
-        if family is None or (symbol.turn and not _finite(family, abs(symbol.turn))):
+        if family is None or (symbol.turn and not family.plain and not _bounded(family, abs(symbol.turn))):
             return None
         families.append(family)
     region = PairedRegion(tuple(families))
     return region if region.paired else None
 
 
-def _finite(family: Neighbourhood, turn: float) -> bool:
+def _bounded(family: Neighbourhood, turn: float) -> bool:
+    """Whether no root that counts reaches y = -1/conj(turn), which is x = oo."""
     used = family.discs[: family.alone + family.pair].upper()
     return bool((used < (2 - UP) / turn).all())
 
@@ -122,8 +126,8 @@ SIZES = 2.0 ** np.arange(-40, 6)
 def _groups(middle: Discs, spread: Discs) -> list[tuple[complex, float, int]] | None:
     """Disjoint discs (centre, radius, number of roots), with one root or two, for all polynomials in a disc of them.
 
-    By Rouché's theorem: on abs(x - m) = r the polynomial in the middle is at least c prod abs(r - abs(x_i - m)), and the
-    others differ from it by no more than sum_k rad_k (abs(m) + r)**k. None where no such discs are found.
+    By Rouché's theorem: on abs(x - m) = r the polynomial in the middle is at least c prod abs(r - abs(x_i - m)), and
+    the others differ from it by no more than sum_k rad_k (abs(m) + r)**k. None where no such discs are found.
     """
     roots = root_discs(middle, approximate(middle.mid))
     x, cover = roots.centre[0], roots.cover[0]
@@ -136,7 +140,7 @@ def _groups(middle: Discs, spread: Discs) -> list[tuple[complex, float, int]] | 
         for members in ([k], [k, *others[:1]]):
             m = complex(x[members].mean())
             distance = np.abs(x - m)
-            gaps = np.abs(SIZES[:, None] - distance[None, :]) * (2 - UP) - cover
+            gaps = np.abs(SIZES[:, None] - distance) * (2 - UP) - cover - 4 * UNIT * (SIZES[:, None] + distance)
             least = lead * np.where(gaps > 0, gaps, 0).prod(axis=1) * (1 - (len(x) + 4) * PRODUCT)
             most = ((abs(m) + SIZES[:, None]) ** np.arange(len(off)) * off).sum(axis=1) * (1 + (len(off) + 8) * PRODUCT)
             holds = (distance + cover <= SIZES[:, None]).sum(axis=1) == len(members)
@@ -152,7 +156,7 @@ def _groups(middle: Discs, spread: Discs) -> list[tuple[complex, float, int]] | 
 
 
 def _neighbourhood(
-    groups: Sequence[tuple[complex, float, int]], near: RootDiscs, inside: Mask
+    groups: Sequence[tuple[complex, float, int]], near: RootDiscs, inside: Mask, *, plain: bool
 ) -> Neighbourhood | None:
     """The groups by what their roots do at a node; None where two meet of which both decay, or neither does."""
     kinds, apart = [], None
@@ -167,11 +171,10 @@ def _neighbourhood(
         else:
             kinds.append(1)
             apart = complex(near.centre[0][mine & inside][0] - near.centre[0][mine & ~inside][0])
-    order = np.argsort(kinds, kind="stable")
     # A pair's disc stands twice, once for each root.
-    order = np.repeat(order, [2 if kinds[k] == 1 else 1 for k in order])
+    order = [k for kind in range(3) for k in range(len(groups)) if kinds[k] == kind for _ in range(groups[k][2])]
     discs = Discs(np.array([groups[k][0] for k in order]), np.array([groups[k][1] for k in order]))
-    return Neighbourhood(discs, kinds.count(0), apart)
+    return Neighbourhood(discs, kinds.count(0), apart, plain)
 
 
 @np.errstate(all="ignore")
@@ -184,15 +187,17 @@ def paired_patch(
     over = chart.images(Jets(disc, Discs.exact(np.ones(points, complex))), stages)
     at = chart.images(Jets.exact(node), stages)
     valid = np.ones(points, bool)
+    rows = np.arange(points)[:, None]
     spatial, nodes, roots = [], [], []
     first: Discs | None = None
     for k, (symbol, family) in enumerate(zip(tables.symbols, region.families, strict=True)):
-        exact = symbol_over(symbol, (at[0].value, at[1].value))
+        plain = np.full(points, family.plain)
+        exact = symbol_over(symbol, (at[0].value, at[1].value), plain)
         near = root_discs(exact, approximate(exact.mid, None if start is None else start.spatial[k][:, 0]))
         order, told = family.order(near)
         valid &= told
-        here = Discs(near.centre, near.cover)[np.arange(points)[:, None], order]
-        coefficients = symbol_over(symbol, over)
+        here = Discs(near.centre, near.cover)[rows, order]
+        coefficients = symbol_over(symbol, over, plain)
         found = branches_of(coefficients, root_discs(coefficients.value, here.mid))
         if family.apart is not None:
             apart = found.value[:, family.alone] - found.value[:, family.alone + 1]
@@ -200,8 +205,10 @@ def paired_patch(
                 first = apart.scaled(Discs.exact(np.asarray(1 / family.apart)))
             ratio = apart * first.reciprocal() * Discs.exact(np.full(points, 1 / family.apart))
             valid &= np.abs(ratio.mid.real) > ratio.rad * UP + 2 * PRODUCT * np.abs(ratio.mid)
-            turned = np.where(ratio.mid.real[:, None] < 0, _swapped(family, here.mid.shape[1]), np.arange(order.shape[1]))
-            here, found = (each[np.arange(points)[:, None], turned] for each in (here, found))
+            turned = np.where(
+                ratio.mid.real[:, None] < 0, _swapped(family, here.mid.shape[1]), np.arange(order.shape[1])
+            )
+            here, found = here[rows, turned], found[rows, turned]
         spatial.append(here.mid)
         nodes.append(here)
         roots.append(found)
@@ -223,13 +230,14 @@ def _swapped(family: Neighbourhood, count: int) -> Index:
 
 def _side(
     tables: DiscTables, region: PairedRegion, over: tuple[Jets, Jets], at: tuple[Jets, Jets], nodes: Sequence[Discs],
-    roots: Sequence[Jets], reach: np.ndarray[tuple[int, ...], np.dtype[np.float64]], *, swap: bool,
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:  # fmt: skip
+    roots: Sequence[Jets], reach: Array, *, swap: bool,
+) -> tuple[Array, Array, Array, Array]:  # fmt: skip
     """The determinant over the first root of each pair, or over the second."""
     here, there = [], []
     for symbol, family, x, branch in zip(tables.symbols, region.families, nodes, roots, strict=True):
         chosen = _swapped(family, x.mid.shape[1])[: symbol.decaying] if swap else np.arange(symbol.decaying)
-        here.append(turned_back(symbol, x[:, chosen]))
-        there.append(turned_back(symbol, branch[:, chosen]))
+        plain = np.full(len(reach), family.plain)
+        here.append(turned_back(symbol, x[:, chosen], plain))
+        there.append(turned_back(symbol, branch[:, chosen], plain))
     matrix = closure_over(tables, here, (at[0].value, at[1].value))
     return determinant(matrix, closure_over(tables, there, over), reach)

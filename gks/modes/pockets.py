@@ -17,9 +17,9 @@ from gks.modes.discs import Discs
 from gks.modes.glancing import GlancingPocket, GlancingPoints
 from gks.modes.kreissdiscs import Region, region_of
 from gks.modes.tables import DiscTables
-from gks.modes.winding import CIRCLE_STEP, Walk, full_circle, half_circle, walk
+from gks.modes.winding import CIRCLE_STEP, FEW_STEPS, Walk, full_circle, half_circle, walk
 
-SMALLEST = (2.0**-11, 2.0**-14, 2.0**-17, 2.0**-34)
+SMALLEST = (2.0**-11, 2.0**-14, 2.0**-17, 2.0**-22, 2.0**-27, 2.0**-34)
 """Shortest steps of the rounds. What is stuck at the first is the neighbourhood of a zero or of a branch point; shorter
 steps leave a shorter stretch to be covered by a pocket. Towards a branch point on the circle steps shrink in a few
 dozen halvings; at 2**-34 the radii of inclusion discs, near the root of the rounding error there, no longer do."""
@@ -65,21 +65,25 @@ def circled(tables: DiscTables, chart: Chart, points: GlancingPoints) -> Circle:
     pockets: list[Pocket] = []
     glancing = _glancing(points, points.of_conservative(), (), SMALLEST[0])
     for smallest in SMALLEST:
-        taken = [(p.centre, p.radius) for p in (*pockets, *glancing)]
+        taken = _discs(pockets, glancing)
         around = walk(tables, chart, half_circle(taken), smallest)
         if not around.stuck or smallest == SMALLEST[-1]:
             break
         places = _gathered(around.stuck, smallest)
         for place in places:
             others = [(other.centre, other.reach) for other in places if other is not place]
-            others += [(p.centre, p.radius) for p in (*pockets, *glancing)]
+            others += _discs(pockets, glancing)
             found = _pocket(tables, chart, place, others, smallest)
             if found is not None:
                 pockets.append(found)
             elif place.centre.imag:
-                taken = [(p.centre, p.radius) for p in (*pockets, *glancing)]
+                taken = _discs(pockets, glancing)
                 glancing += _glancing(points, points.near(place.centre, place.reach), taken, smallest)
     return Circle(around, tuple(pockets), tuple(glancing))
+
+
+def _discs(pockets: Sequence[Pocket], glancing: Sequence[GlancingPocket]) -> list[tuple[complex, float]]:
+    return [(p.centre, p.radius) for p in pockets] + [(p.centre, p.radius) for p in glancing]
 
 
 @dataclass(frozen=True, slots=True)
@@ -143,7 +147,7 @@ def _pocket(
         region = region_of(tables, chart, disc, place.centre * (1 - radius / 2))
         if region is None:
             continue
-        boundary = walk(tables, chart, full_circle(place.centre, radius), smallest * radius, region)
+        boundary = walk(tables, chart, full_circle(place.centre, radius), smallest * radius, region, FEW_STEPS)
         if not boundary.stuck:
             return Pocket(place.centre, radius, region, boundary)
     return None

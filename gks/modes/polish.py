@@ -27,7 +27,8 @@ STEPS = 40
 """Aberth steps from moments good to a percent: 5 to 8 for simple zeros; a multiple one gains a bit a step, up to the
 point where its cluster is recognised."""
 DIFFERENCE = 2.0**-20
-"""Step of the difference quotient that stands for Delta': exact for a linear Delta, and off by its square otherwise."""
+"""Step of the difference quotient that stands for Delta', relative to the disc's radius: exact for a linear Delta, and
+off by its square otherwise."""
 INNERMOST = 1 - 2.0**-30
 """Where only abs(w) < 1 makes sense, seeds are kept this far inside: decaying roots can still be told by modulus."""
 TOGETHER = 2.0**-12
@@ -44,7 +45,7 @@ class Found:
     """A zero of Delta: its growth factor in a ball, its multiplicity, its spatial roots (decaying, by family).
 
     ``proved``: the ball holds exactly that many zeros. ``w`` is its place in the chart, ``mu`` the value of lam*s (or
-    z) at a simple zero.
+    z) at a simple zero. ``clear``: over the whole ball ``roots`` are inside the circle and all others outside.
     """
 
     w: complex
@@ -53,6 +54,7 @@ class Found:
     roots: tuple[tuple[acb, ...], ...]
     proved: bool
     mu: acb | None = None
+    clear: bool = False
 
     def sigma(self, problem: NormalModeProblem) -> acb | None:
         """The problem's variable at a simple zero, as sharp as ``mu`` whatever precision is in force."""
@@ -76,11 +78,14 @@ class Polisher:
             self._balls[bits] = ball_tables(self.problem, bits)
         return self._balls[bits]
 
-    def polish(self, seeds: Sequence[complex], region: Region | None) -> list[Found]:
-        """The zeros near the seeds, proved where that succeeds; those that are not found are left out."""
+    def polish(self, seeds: Sequence[complex], region: Region | None, radius: float = 1.0) -> list[Found]:
+        """The zeros near the seeds, proved where that succeeds; those that are not found are left out.
+
+        The seeds lie in a disc of that radius, over which the region is known.
+        """
         if not seeds:
             return []
-        places = self._settled(np.array(seeds), region)
+        places = self._settled(np.array(seeds), region, radius)
         found: list[Found] = []
         left = []
         for w in places:
@@ -97,14 +102,15 @@ class Polisher:
                 found.append(cluster)
         return found
 
-    def _settled(self, w: ComplexArray, region: Region | None) -> ComplexArray:
+    def _settled(self, w: ComplexArray, region: Region | None, radius: float) -> ComplexArray:
         """Aberth steps until the seeds stand still."""
         # Two real seeds may stand for a conjugate pair, which real arithmetic would never find.
-        w = w * np.exp(1j * 2.0**-10 * np.arange(1, len(w) + 1))
+        w = w * np.exp(1j * 2.0**-10 * radius * np.arange(1, len(w) + 1))
+        apart_by = DIFFERENCE * radius
         start: Start | None = None
         for _ in range(STEPS):
             w = w if region is not None else w * np.minimum(1.0, INNERMOST / np.maximum(np.abs(w), 0.5))
-            points = np.concatenate([w, w + DIFFERENCE * _inward(w), w - DIFFERENCE * _inward(w)])
+            points = np.concatenate([w, w + apart_by * _inward(w), w - apart_by * _inward(w)])
             node = points if region is not None else points * np.minimum(1, INNERMOST / np.maximum(np.abs(points), 0.5))
             values = patch(self.tables, self.chart, Discs.exact(node), node, start, region)
             logs = (values.log.sum(axis=1) + 1j * values.phase).reshape(3, -1)
@@ -115,9 +121,9 @@ class Polisher:
                 np.fill_diagonal(apart, np.inf)
                 step = 1 / (slope - (1 / apart).sum(axis=1))
             step = np.where(np.isfinite(step), step, 0)
-            w = at - step * np.minimum(1, 0.25 / np.maximum(np.abs(step), 2.0**-1000))
-            start = values.start if (np.abs(step) < 2.0**-5).all() else None
-            if (np.abs(step) < 2.0**-36).all():
+            w = at - step * np.minimum(1, 0.25 * radius / np.maximum(np.abs(step), 2.0**-1000))
+            start = values.start if (np.abs(step) < 2.0**-5 * radius).all() else None
+            if (np.abs(step) < 2.0**-36 * radius).all():
                 break
         return w
 
@@ -132,7 +138,9 @@ class Polisher:
                     z = self.chart.growth(zero.mu, w)
                 except NotEnclosed:
                     return found
-                found = Found(w, z, 1, kappas(self.balls(bits), zero.roots), self._stays(zero, region), zero.mu)
+                clear = all(roots.told_by_modulus() for roots in zero.roots)
+                proved = clear or self._continues(zero, region)
+                found = Found(w, z, 1, kappas(self.balls(bits), zero.roots), proved, zero.mu, clear)
                 if abs(z) > 1 or abs(z) < 1:
                     return found
         return found
@@ -145,10 +153,8 @@ class Polisher:
         stage = complex(values.start.stages[0, branch]) if values.start.stages.size else 0j
         return self.chart.value(w, stage), [[complex(x) for x in f[0, branch]] for f in values.start.spatial]
 
-    def _stays(self, zero: Zero, region: Region | None) -> bool:
-        """Whether the roots called decaying are the decaying ones, or continue them."""
-        if all(roots.told_by_modulus() for roots in zero.roots):
-            return True
+    def _continues(self, zero: Zero, region: Region | None) -> bool:
+        """Whether the roots called decaying continue the decaying ones."""
         if region is None:
             return False
         return all(

@@ -10,7 +10,7 @@ from __future__ import annotations
 from flint import acb, arb, ctx, fmpz_mat, fmpz_poly
 
 from gks.modes.admissible import Candidate
-from gks.modes.algebraic import GUARD_BITS, START_BITS, Position, Root, isolation, primitive
+from gks.modes.algebraic import GUARD_BITS, START_BITS, Position, Root, primitive
 from gks.modes.candidates import candidates_of
 from gks.modes.fibre import embed
 from gks.modes.kreiss import NormalModeProblem
@@ -29,10 +29,16 @@ def candidate_at(problem: NormalModeProblem, sigma: acb, z: acb) -> Candidate | 
         return None
     factor = Factor(embed(polynomial, problem.coefficients.context, problem.variable), 1)
     for candidate in candidates_of(problem, factor):
-        near = candidate.sigma.ball(START_BITS).overlaps(sigma)
-        if near and candidate.position is Position.ON and (candidate.z is None or candidate.z.ball().overlaps(z)):
+        on_circle = candidate.position is Position.ON and (candidate.z is None or candidate.z.ball().overlaps(z))
+        if on_circle and holds(sigma, candidate.sigma):
             return candidate
     return None
+
+
+def holds(ball: acb, root: Root) -> bool:
+    """Whether a ball is seen to hold an algebraic number."""
+    bits = ball.rel_accuracy_bits() + START_BITS
+    return bool(ball.contains(root.ball(bits)))
 
 
 def _shortest(number: acb) -> fmpz_poly | None:

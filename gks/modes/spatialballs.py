@@ -182,7 +182,7 @@ def has_kernel(
     if known is not None:
         return known > 0
     if columns == problem.size:
-        roots = [[*([Root.of(0)] * b.zeros), *space.inside[b.family]] for b in problem.blocks]
+        roots: list[list[Enclosed]] = [[*([Root.of(0)] * b.zeros), *space.inside[b.family]] for b in problem.blocks]
         zero = vanishes(problem, candidate.sigma, roots)
         if zero is not None:
             return zero

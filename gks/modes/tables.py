@@ -31,12 +31,13 @@ family has a root x = 1/conj(c), which would go to infinity in its turn, by an a
 
 @dataclass(frozen=True, slots=True)
 class Symbol:
-    """P(mu, y): ``powers[i][k]`` is the coefficient of y**i mu**k (absent: 0), k at most ``degree``.
+    """P(mu, y): ``powers[i][k]`` is the coefficient of y**i mu**k (absent: 0), k at most ``degree``; ``plain`` in x.
 
     x = (y + turn)/(1 + conj(turn) y). The turn is 0 where no spatial root passes through infinity while abs(z) = 1.
     """
 
     powers: tuple[Mapping[int, acb], ...]
+    plain: tuple[Mapping[int, acb], ...]
     degree: int
     decaying: int
     turn: complex
@@ -84,7 +85,9 @@ def ball_tables(problem: NormalModeProblem, bits: int) -> Tables:
         symbols = []
         for family in problem.families:
             parts, degree = _scaled(problem, powers_of(family.polynomial, "x"), at, lam, bits)
-            symbols.append(_turned(Symbol(tuple(parts), degree, family.decaying, 0j), _reaches_infinity(problem)))
+            symbols.append(
+                _turned(Symbol(tuple(parts), tuple(parts), degree, family.decaying, 0j), _reaches_infinity(problem))
+            )
         rows = []
         for row in problem.rows:
             parts, degree = _scaled(problem, [t.coefficient for t in row], at, lam, bits)
@@ -113,14 +116,19 @@ def _turned(symbol: Symbol, infinite: bool) -> Symbol:
         for j, weight in enumerate(factor.coeffs()):
             for power, c in part.items():
                 total[j][power] = total[j].get(power, acb(0)) + weight * c
-    return Symbol(tuple(total), symbol.degree, symbol.decaying, TURN)
+    return Symbol(tuple(total), symbol.plain, symbol.degree, symbol.decaying, TURN)
 
 
 @dataclass(frozen=True, slots=True)
 class DiscSymbol:
-    """A symbol in double precision: ``powers`` (degree + 1, n + 1), rows by powers of mu."""
+    """A symbol in double precision: ``powers`` (degree + 1, n + 1), rows by powers of mu; ``plain`` the same in x.
+
+    In y a few large terms nearly cancel where x is small, so that little can be said of the roots over a disc: y is for
+    the places where a root may be infinite alone.
+    """
 
     powers: Discs
+    plain: Discs
     decaying: int
     turn: complex
 
@@ -157,7 +165,7 @@ def disc_tables(problem: NormalModeProblem) -> DiscTables:
     first = np.concatenate([[0], np.cumsum(tables.longest)])
     with ctx.workprec(DOUBLE_BITS):
         symbols = [
-            DiscSymbol(_rounded(s.powers, s.degree, range(len(s.powers)), len(s.powers)), s.decaying, s.turn)
+            DiscSymbol(_symbol_table(s.powers, s.degree), _symbol_table(s.plain, s.degree), s.decaying, s.turn)
             for s in tables.symbols
         ]
         rows = []
@@ -169,6 +177,10 @@ def disc_tables(problem: NormalModeProblem) -> DiscTables:
             ]
             rows.append(DiscRows(np.array(numbers), joined(weights, lambda parts: np.stack(parts, 1))))
     return DiscTables(tuple(symbols), tuple(rows), tables.blocks, tables.longest)
+
+
+def _symbol_table(powers: Sequence[Mapping[int, acb]], degree: int) -> Discs:
+    return _rounded(powers, degree, range(len(powers)), len(powers))
 
 
 def _rounded(polynomials: Sequence[Mapping[int, acb]], degree: int, places: Sequence[int], width: int) -> Discs:

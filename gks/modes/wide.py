@@ -14,6 +14,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
+from functools import cached_property
 
 from flint import acb, ctx
 
@@ -29,7 +30,8 @@ from gks.modes.kreiss import NormalModeProblem
 from gks.modes.numerals import ComplexNumber, midpoint, modulus_of, radius_of, text_real
 from gks.modes.pockets import Circle, Pocket, circled
 from gks.modes.polish import PRECISIONS, Found, Polisher
-from gks.modes.recognised import candidate_at
+from gks.modes.recognised import candidate_at, holds
+from gks.modes.reversal import reversible
 from gks.modes.tables import DiscTables, disc_tables
 from gks.modes.undecided import Undecided
 from gks.modes.verdict import Mode, ModeKind
@@ -95,7 +97,7 @@ def _unsettled(circle: Circle) -> Iterator[complex]:
         last = w
 
 
-@dataclass(slots=True)
+@dataclass
 class _Search:
     """Takes the zeros of one region after the other."""
 
@@ -121,7 +123,7 @@ class _Search:
             for each in self.polisher.polish(seeds(self.circle.walk, 0j, 1.0, count), None)
             if abs(each.w) < 1 and not any(_within(each.w, pocket) for pocket in self.circle.pockets)
         ]
-        self._take(_with_mirrors(found), count, "with abs(z) > 1")
+        self._take(_with_mirrors(found), count, "with abs(z) > 1", across=False)
 
     def inner(self) -> None:
         """Modes just inside the circle that no pocket held."""
@@ -146,7 +148,7 @@ class _Search:
         near = sorted(near, key=lambda w: abs(w - pocket.centre))[count - left :]
         found = [
             each
-            for each in self.polisher.polish(near, pocket.region)
+            for each in self.polisher.polish(near, pocket.region, pocket.radius)
             if _within(each.w, pocket) and not (exact is not None and each.z.contains(round(pocket.centre.real)))
         ]
         if pocket.centre.imag:
@@ -155,24 +157,44 @@ class _Search:
         else:
             self._take(_with_mirrors(found), left, where)
 
+    def _symmetric(self, zero: Found, all_found: Sequence[Found]) -> bool:
+        """Whether a simple zero is its own mirror image in the circle, as one that has no other beside it is in a
+        problem that is its own time reversal; its mode is noted.
+
+        Its image is as deep in the pocket as itself, and among the zeros counted there: in no other ball than its own,
+        or the count is not made up.
+        """
+        with ctx.workprec(PRECISIONS[-1] + GUARD_BITS):
+            image = 1 / zero.z.conjugate()
+            alone = not any(other is not zero and other.z.overlaps(image) for other in all_found)
+        if not (zero.proved and zero.clear and zero.multiplicity == 1 and alone and self._reversible):
+            return False
+        self._note(replace(_mode(self.problem, zero, ModeKind.EIGENVALUE), modulus=Fraction(1)), zero)
+        return True
+
+    @cached_property
+    def _reversible(self) -> bool:
+        return reversible(self.problem)
+
     def _on_circle(self, zero: Found) -> bool:
-        """Whether a simple zero that balls do not tell from the circle is proved to lie on it, and its mode is noted."""
+        """Whether a simple zero that balls do not tell from the circle is proved to lie on it; its mode is noted."""
         sigma = zero.sigma(self.problem) if zero.proved and zero.multiplicity == 1 else None
         if sigma is None:
             return False
         for mode, place in zip(self.result.modes, self.result.places, strict=True):
-            if isinstance(place, Candidate) and place.sigma.ball().conjugate().overlaps(sigma):
+            if isinstance(place, Candidate) and holds(sigma.conjugate(), place.sigma):
                 self._note(_conjugate_mode(mode), conjugate(place))
                 return True
         candidate = candidate_at(self.problem, sigma, zero.z)
+        if candidate is None:
+            return False
         try:
-            mode, dimension = (None, 0) if candidate is None else judged_zero(self.problem, candidate)
+            mode, dimension = judged_zero(self.problem, candidate)
         except Undecided:
             return False
-        if mode is None or candidate is None or not dimension:
-            return False
-        self._note(mode, candidate)
-        return True
+        if dimension:
+            self._note(mode, candidate)
+        return bool(dimension)
 
     def _note(self, mode: Mode, place: Found | Candidate) -> None:
         self.result.modes.append(mode)
@@ -196,10 +218,11 @@ class _Search:
             return None
         return None if point.kind is ModeKind.INADMISSIBLE else point
 
-    def _take(self, found: Sequence[Found], count: int, where: str) -> None:
+    def _take(self, found: Sequence[Found], count: int, where: str, *, across: bool = True) -> None:
+        """Notes the zeros of a region that was found to have so many; ``across`` the circle if it is a pocket."""
         for each in found:
             kind = _kind(each.z)
-            if kind is None and self._on_circle(each):
+            if kind is None and ((across and self._symmetric(each, found)) or self._on_circle(each)):
                 continue
             if kind is None:
                 distance = text_real(radius_of(each.z)) if each.z.is_finite() else "any distance"
@@ -222,10 +245,11 @@ def _within(w: complex, pocket: Pocket) -> bool:
 
 
 def _kind(z: acb) -> ModeKind | None:
-    size = abs(z)
-    if size > 1:
-        return ModeKind.GROWING
-    return ModeKind.DECAYING if size < 1 else None
+    with ctx.workprec(PRECISIONS[-1] + GUARD_BITS):
+        size = abs(z)
+        if size > 1:
+            return ModeKind.GROWING
+        return ModeKind.DECAYING if size < 1 else None
 
 
 def _with_mirrors(found: Sequence[Found]) -> list[Found]:
@@ -243,7 +267,7 @@ def _mirrored(found: Found) -> Found:
     with ctx.workprec(PRECISIONS[-1]):
         roots = tuple(tuple(x.conjugate() for x in family) for family in found.roots)
         mu = None if found.mu is None else found.mu.conjugate()
-        return Found(found.w.conjugate(), found.z.conjugate(), found.multiplicity, roots, found.proved, mu)
+        return replace(found, w=found.w.conjugate(), z=found.z.conjugate(), roots=roots, mu=mu)
 
 
 # Output ---------------------------------------------------------------------------------------------------------------

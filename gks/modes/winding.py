@@ -34,6 +34,8 @@ JOINT = 2.0**-46
 """Added to the radius of a step's disc: more than the rounding of end points of neighbouring pieces (a few 2**-52)."""
 STEPS = 40_000
 """Steps after which a walk gives up, some seconds of work."""
+FEW_STEPS = 2_000
+"""The same round a pocket, which another radius may suit better: a hundred are usual."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,6 +148,7 @@ def walk(
     pieces: Sequence[Piece],
     smallest: float,
     region: Region | PairedRegion | None = None,
+    most: int = STEPS,
 ) -> Walk:
     """Walks along the pieces with steps no shorter than ``smallest`` (half-length in w).
 
@@ -162,7 +165,7 @@ def walk(
         disc, node = _cover(pieces, pending)
         found = _patches(tables, chart, disc, node, start, region)
         passed = found.change <= RIGHT_ANGLE
-        small = disc.rad < 2 * smallest if taken < STEPS else np.ones(len(passed), bool)
+        small = disc.rad < 2 * smallest if taken < most else np.ones(len(passed), bool)
         stuck += [complex(w) for w in node[~passed & small]]
         closed = np.flatnonzero(passed | small)
         done.append((pending.take(closed), node[closed], found.take(closed)))

@@ -5,7 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from gks.campaigns.routes import settled_radius
+from gks.modes.analysis import quick_verdict
+from gks.modes.verdict import Verdict
 from gks.modes.winding import Walk, seeds
+from gks.scheme.schemefile import parse_scheme
+from gks.solvers.update import update_matrix
 
 
 def test_a_node_that_falls_on_a_zero_does_not_spoil_the_seeds() -> None:
@@ -20,3 +25,46 @@ def test_a_node_that_falls_on_a_zero_does_not_spoil_the_seeds() -> None:
     walk = Walk(node, np.angle(delta), log, size, size, (complex(node[7]),), False)
     found = seeds(walk, 0j, 1.0, 2)
     assert sorted(found, key=lambda w: w.imag) == pytest.approx(sorted(zeros, key=lambda w: w.imag), abs=1e-3)
+
+
+ROUNDED = """
+title = "Interface: upwind1 ssprk3, order 2"
+[parameters]
+lam = { role = "cfl", default = "5/4" }
+[interior]
+space = "upwind1"
+time = "ssprk3"
+[domains.L]
+side = "left"
+unknowns = ["u", "s"]
+flux = [["0", "-1"], ["-1", "0"]]
+[domains.R]
+side = "right"
+unknowns = ["u", "s"]
+flux = [["0", "-1000000"], ["-1/1000000", "0"]]
+[closure]
+let.uL = "3/2*L.u[0] - 1/2*L.u[-1]"
+let.uR = "3/2*R.u[0] - 1/2*R.u[1]"
+let.sL = "3/2*L.s[0] - 1/2*L.s[-1]"
+let.sR = "3/2*R.s[0] - 1/2*R.s[1]"
+let.u_I = "(1000000/1000001)*(uL + sL - sR) + (1/1000001)*uR"
+let.s_I = "(1000000/1000001)*sL + (1/1000001)*(sR + uR) - (1/1000001)*uL"
+equations = [
+  "L.u[1] = 2*u_I - L.u[0]", "L.s[1] = 2*s_I - L.s[0]",
+  "R.u[-1] = 2*u_I - R.u[0]", "R.s[-1] = 2*s_I - R.s[0]",
+]
+"""
+
+
+def test_rounding_a_matrix_is_no_evidence_of_growth() -> None:
+    """Seed 2026, scheme of 20 000: with media 1 : 1e-6 the finite problem's matrix, of norm 2e6, has an eigenvalue
+    1.0012 in doubles at any number of cells. Changing its entries by a rounding error each changes that in the fifth
+    digit: it is the generalized eigenvalue z = 1, defective, that has been split."""
+    scheme = parse_scheme(ROUNDED, "rounded")
+    values = scheme.values({})
+    assert quick_verdict(scheme, values) is Verdict.GENERALIZED
+    matrix = update_matrix(scheme, values, 10)
+    noise = np.random.default_rng(1).uniform(-1, 1, (4, *matrix.shape)) * np.finfo(float).eps
+    radii = [np.abs(np.linalg.eigvals(matrix * (1 + each))).max() for each in noise]
+    assert np.ptp(radii) > 1e-6
+    assert settled_radius(scheme, values) is None

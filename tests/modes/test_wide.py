@@ -185,12 +185,13 @@ def test_growing_modes_far_away_and_close_to_the_circle(alpha: str) -> None:
     assert len(growing(wide.modes)) == 2
 
 
-def test_what_lies_on_the_circle_is_not_guessed() -> None:
-    """At alpha = 31/9 the pair is on the circle at no rational point: that is left open, with the distance resolved."""
-    wide = counted(traditional(), lam="9/10", alpha="31/9")
-    assert verdict(wide.modes, wide.doubts) is Verdict.UNDECIDED
-    assert not wide.certified
-    assert "not told from abs(z) = 1" in wide.doubts[0]
+def test_what_lies_on_the_circle_is_proved_to() -> None:
+    """At alpha = 31/9 the pair is on the circle at no rational point: a root of a quadratic, which exact algebra
+    confirms."""
+    wide = agree(traditional(), lam="9/10", alpha="31/9")
+    assert wide is not None
+    assert wide.certified
+    assert {(mode.kind, mode.modulus) for mode in wide.modes} == {(ModeKind.EIGENVALUE, Fraction(1))}
 
 
 def test_a_hair_inside_is_stable() -> None:

@@ -1,0 +1,114 @@
+"""Whether a problem looks the same with time run backwards, and what follows for its modes on the unit circle.
+
+Under a nondissipative integrator z -> 1/z takes lam*s to -lam*s. Where that, with the characteristic fields of each
+half-line exchanged (and their signs changed, at most), takes every symbol and the closure to themselves, the spatial
+roots inside the circle go to spatial roots inside the circle: wherever none of them is on it, Delta(1/z) is Delta(z) up
+to a constant. Its coefficients are real, so the zeros close to the unit circle come in pairs z, 1/conj(z), and one that
+has no other beside it lies on the circle exactly. Waves of u_t = s_x, s_t = u_x below a wall or an interface that
+couples u with u and s with s are of this kind: s changes its sign.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import permutations, product
+
+from flint import fmpq, fmpq_poly, fmpz_mat, fmpz_mpoly
+
+from gks.modes.cauchy import degree_in, reciprocal_in
+from gks.modes.fibre import coefficients as powers_of
+from gks.modes.kreiss import NormalModeProblem, Term
+from gks.scheme.integrators import Integrator
+
+
+def reversible(problem: NormalModeProblem) -> bool:
+    """Whether the problem is its own time reversal; False also where that is not looked into."""
+    method = problem.resolvent.integrator if problem.variable == "s" else None
+    if problem.coupled or problem.coefficients.generators or (problem.variable == "s" and not _reverses(method)):
+        return False
+    images = [_image(problem, k) for k in range(len(problem.families))]
+    if any(image is None for image in images):
+        return False
+    before = [_expanded(problem, row, range(len(problem.blocks)), [1] * len(problem.blocks)) for row in problem.rows]
+    reversed_rows = [_reversed_row(problem, row) for row in problem.rows]
+    for order in _exchanges(problem, images):
+        for signs in product((1, -1), repeat=len(order) - 1):
+            after = [_expanded(problem, row, order, [1, *signs]) for row in reversed_rows]
+            if _rank(before + after) == _rank(before) == _rank(after) == problem.size:
+                return True
+    return False
+
+
+def _reverses(method: Integrator | None) -> bool:
+    """Whether lam*s(1/z) = -lam*s(z) for every root z of the integrator."""
+    if method is None or method.kind == "runge-kutta":
+        return False
+    if method.kind == "exact":
+        return True
+    degree = max(len(method.rho), len(method.sigma)) - 1
+    rho, sigma = (fmpq_poly([fmpq(c.numerator, c.denominator) for c in part]) for part in (method.rho, method.sigma))
+    return bool(_mirrored(rho, degree) * sigma == -(rho * _mirrored(sigma, degree)))
+
+
+def _mirrored(polynomial: fmpq_poly, degree: int) -> fmpq_poly:
+    """z**degree polynomial(1/z)."""
+    return fmpq_poly([polynomial[degree - k] for k in range(degree + 1)])
+
+
+def _reversed(problem: NormalModeProblem, polynomial: fmpz_mpoly) -> fmpz_mpoly:
+    name = problem.variable
+    if name != "s":
+        return reciprocal_in(polynomial, (name,))
+    return polynomial.compose(*(-g if n == name else g for n, g in problem.coefficients.gens.items()))
+
+
+def _image(problem: NormalModeProblem, family: int) -> int | None:
+    """The family whose symbol is that of this one reversed."""
+    image = _reversed(problem, problem.families[family].polynomial)
+    for k, other in enumerate(problem.families):
+        if other.polynomial in (image, -image) and other.decaying == problem.families[family].decaying:
+            return k
+    return None
+
+
+def _exchanges(problem: NormalModeProblem, images: Sequence[int | None]) -> Iterator[list[int]]:
+    """The ways to take each block to one of the same half-line with the family's image, as places."""
+    blocks = problem.blocks
+    domains = [[k for k, b in enumerate(blocks) if b.field.domain == d.name] for d in problem.scheme.domains]
+    for choice in product(*(permutations(mine) for mine in domains)):
+        order = [0] * len(blocks)
+        for mine, target in zip(domains, choice, strict=True):
+            for k, to in zip(mine, target, strict=True):
+                order[k] = to
+        if all(blocks[to].family == images[blocks[k].family] and blocks[to].zeros == blocks[k].zeros
+               for k, to in enumerate(order)):  # fmt: skip
+            yield order
+
+
+def _reversed_row(problem: NormalModeProblem, row: Sequence[Term]) -> list[Term]:
+    if problem.variable == "s":
+        return [Term(t.block, t.n, _reversed(problem, t.coefficient)) for t in row]
+    # One power of z for the whole row clears its denominators.
+    z = problem.coefficients.gens[problem.variable]
+    degrees = [degree_in(t.coefficient, problem.variable) for t in row]
+    return [
+        Term(t.block, t.n, _reversed(problem, t.coefficient) * z ** (max(degrees) - degree))
+        for t, degree in zip(row, degrees, strict=True)
+    ]
+
+
+def _expanded(
+    problem: NormalModeProblem, row: Sequence[Term], order: Sequence[int], signs: Sequence[int]
+) -> dict[tuple[int, int, int], int]:
+    """A row by block, place and power of the variable, its blocks moved and their signs changed."""
+    entries: dict[tuple[int, int, int], int] = {}
+    for term in row:
+        for power, c in enumerate(powers_of(term.coefficient, problem.variable)):
+            if not c.is_zero():
+                entries[order[term.block], term.n, power] = signs[term.block] * int(c.coeffs()[0])
+    return entries
+
+
+def _rank(rows: Sequence[dict[tuple[int, int, int], int]]) -> int:
+    keys = sorted({key for row in rows for key in row})
+    return int(fmpz_mat([[row.get(key, 0) for key in keys] for row in rows]).rank()) if keys else 0
