@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from gks.modes.chart import Chart
 from gks.modes.discs import PRODUCT, UNIT, UP, Array, ComplexArray, Discs, Jets, Ring, joined, powers
-from gks.modes.rootdiscs import Mask, RootDiscs, approximate, root_discs
+from gks.modes.rootdiscs import Mask, RootDiscs, RootGroup, approximate, root_discs, root_groups
 from gks.modes.rootdiscs import branches as branches_of
 from gks.modes.tables import DiscRows, DiscSymbol, DiscTables
 
@@ -82,6 +82,11 @@ class Patch:
         return Patch(phase, log, change, relative, Start.join([p.start for p in parts]))
 
 
+def _scattered(discs: Discs) -> ComplexArray:
+    count = discs.mid.shape[-1]
+    return np.asarray(discs.mid + discs.rad / 2 * np.exp(2j * np.pi * (np.arange(count) + 0.3) / max(count, 1)))
+
+
 @dataclass(frozen=True, slots=True)
 class RegionRoots:
     """All spatial roots of a family over a disc of w, in discs (branches, n), the ``decaying`` first."""
@@ -101,8 +106,8 @@ class Region:
     roots: tuple[RegionRoots, ...]
 
     def start(self, points: int) -> Start:
-        """The region's own roots as the start at all points."""
-        spatial = (np.broadcast_to(r.discs.mid, (points, *r.discs.mid.shape)) for r in self.roots)
+        """The region's own roots as the start at all points, those that share a disc in different places of it."""
+        spatial = (np.broadcast_to(_scattered(r.discs), (points, *r.discs.mid.shape)) for r in self.roots)
         return Start(np.tile(self.stages.mid, (points, 1)), tuple(spatial))
 
     def holds_stages(self, stages: ComplexArray) -> Mask:
@@ -199,21 +204,43 @@ def region_of(tables: DiscTables, chart: Chart, disc: Discs, node: complex) -> R
     if covers is None:
         return None
     chosen = []
+    middle = chart.images(Jets.exact(disc.mid), stages)
     turned = np.zeros(chart.branches, bool)
     for symbol in tables.symbols:
         exact = symbol_over(symbol, (at[0].value, at[1].value), turned)
         inside, certain = inside_circle(near := root_discs(exact, approximate(exact.mid)))
-        found = root_discs(symbol_over(symbol, (over[0].value, over[1].value), turned), near.centre)
-        mixed = found.joined & (inside[:, :, None] != inside[:, None, :])
-        if not certain.all() or mixed.any() or (inside.sum(axis=1) != symbol.decaying).any():
+        if not certain.all() or (inside.sum(axis=1) != symbol.decaying).any():
             return None
+        spread = symbol_over(symbol, (over[0].value, over[1].value), turned)
+        centre = symbol_over(symbol, (middle[0].value, middle[1].value), turned)
+        apart = [_apart(centre[k : k + 1], spread[k : k + 1], near, inside, k) for k in range(chart.branches)]
+        if any(each is None for each in apart):
+            return None
+        discs = joined([each for each in apart if each is not None], lambda parts: np.stack(parts))
         # Where a decaying root passes x = oo Delta has a pole, which a winding number would count against its zeros.
-        if symbol.turn and not ((np.abs(found.centre) * UP + found.cover)[inside] < (2 - UP) / abs(symbol.turn)).all():
+        if symbol.turn and not (discs.upper()[:, : symbol.decaying] < (2 - UP) / abs(symbol.turn)).all():
             return None
-        order = np.argsort(~inside, axis=1, kind="stable")
-        branch = np.arange(len(order))[:, None]
-        chosen.append(RegionRoots(Discs(found.centre, found.cover)[branch, order], symbol.decaying))
+        chosen.append(RegionRoots(discs, symbol.decaying))
     return Region(covers, tuple(chosen))
+
+
+def _apart(centre: Discs, spread: Discs, near: RootDiscs, inside: Mask, branch: int) -> Discs | None:
+    """Discs (n,) round the roots over a disc of w, the decaying first; None where some of these may meet others."""
+    found = root_discs(spread, near.centre[branch : branch + 1])
+    mixed = found.joined[0] & (inside[branch][:, None] != inside[branch][None, :])
+    if not mixed.any():
+        return Discs(found.centre[0], found.cover[0])[np.argsort(~inside[branch], kind="stable")]
+    groups = root_groups(centre, spread, near.centre.shape[1])
+    decaying, others = list[RootGroup](), list[RootGroup]()
+    for group in groups or ():
+        mine = group.holds(near.centre[branch], near.cover[branch])
+        if mine.sum() != group.count or len(set(inside[branch][mine])) != 1:
+            return None
+        (decaying if inside[branch][mine][0] else others).append(group)
+    every = [group for group in (*decaying, *others) for _ in range(group.count)]
+    if not every:
+        return None
+    return Discs(np.array([group.centre for group in every]), np.array([group.radius for group in every]))
 
 
 def _by_branch(x: ComplexArray) -> ComplexArray:

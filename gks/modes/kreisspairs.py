@@ -21,7 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gks.modes.chart import Chart
-from gks.modes.discs import PRODUCT, UNIT, UP, Array, ComplexArray, Discs, Jets
+from gks.modes.discs import PRODUCT, UP, Array, ComplexArray, Discs, Jets
 from gks.modes.kreissdiscs import (
     Index,
     Patch,
@@ -33,7 +33,7 @@ from gks.modes.kreissdiscs import (
     symbol_over,
     turned_back,
 )
-from gks.modes.rootdiscs import Mask, RootDiscs, approximate, root_discs
+from gks.modes.rootdiscs import Mask, RootDiscs, RootGroup, approximate, root_discs, root_groups
 from gks.modes.rootdiscs import branches as branches_of
 from gks.modes.tables import DiscTables
 
@@ -103,7 +103,7 @@ def paired_region(tables: DiscTables, chart: Chart, disc: Discs, node: complex) 
             return None
         middle = symbol_over(symbol, (centre[0].value, centre[1].value), plain)
         spread = symbol_over(symbol, (over[0].value, over[1].value), plain)
-        groups = _groups(middle, spread)
+        groups = root_groups(middle, spread, 2)
         family = None if groups is None else _neighbourhood(groups, near, inside[0], plain=bool(plain.all()))
         # Where a root passes x = oo Delta has a pole, which a winding number would count against its zeros.
         if family is None or (symbol.turn and not family.plain and not _bounded(family, abs(symbol.turn))):
@@ -119,49 +119,11 @@ def _bounded(family: Neighbourhood, turn: float) -> bool:
     return bool((used < (2 - UP) / turn).all())
 
 
-SIZES = 2.0 ** np.arange(-40, 6)
-"""Radii tried for a disc with one or two roots."""
-
-
-def _groups(middle: Discs, spread: Discs) -> list[tuple[complex, float, int]] | None:
-    """Disjoint discs (centre, radius, number of roots), with one root or two, for all polynomials in a disc of them.
-
-    By Rouché's theorem: on abs(x - m) = r the polynomial in the middle is at least c prod abs(r - abs(x_i - m)), and
-    the others differ from it by no more than sum_k rad_k (abs(m) + r)**k. None where no such discs are found.
-    """
-    roots = root_discs(middle, approximate(middle.mid))
-    x, cover = roots.centre[0], roots.cover[0]
-    lead = float(middle.lower()[0, -1])
-    off = (np.abs(spread.mid - middle.mid)[0] + spread.rad[0] + middle.rad[0]) * UP
-    left, groups = list(range(len(x))), []
-    while left:
-        k = left[0]
-        others = sorted(left[1:], key=lambda j: abs(x[j] - x[k]))
-        for members in ([k], [k, *others[:1]]):
-            m = complex(x[members].mean())
-            distance = np.abs(x - m)
-            gaps = np.abs(SIZES[:, None] - distance) * (2 - UP) - cover - 4 * UNIT * (SIZES[:, None] + distance)
-            least = lead * np.where(gaps > 0, gaps, 0).prod(axis=1) * (1 - (len(x) + 4) * PRODUCT)
-            most = ((abs(m) + SIZES[:, None]) ** np.arange(len(off)) * off).sum(axis=1) * (1 + (len(off) + 8) * PRODUCT)
-            holds = (distance + cover <= SIZES[:, None]).sum(axis=1) == len(members)
-            good = np.flatnonzero((least > most) & holds & (distance[members] < SIZES[:, None]).all(axis=1))
-            if len(good):
-                groups.append((m, float(SIZES[good[0]]), len(members)))
-                left = [j for j in left if j not in members]
-                break
-        else:
-            return None
-    apart = all(abs(a[0] - b[0]) * (2 - UP) > a[1] + b[1] for i, a in enumerate(groups) for b in groups[:i])
-    return groups if apart else None
-
-
-def _neighbourhood(
-    groups: Sequence[tuple[complex, float, int]], near: RootDiscs, inside: Mask, *, plain: bool
-) -> Neighbourhood | None:
+def _neighbourhood(groups: Sequence[RootGroup], near: RootDiscs, inside: Mask, *, plain: bool) -> Neighbourhood | None:
     """The groups by what their roots do at a node; None where two meet of which both decay, or neither does."""
     kinds, apart = [], None
-    for m, r, count in groups:
-        mine = np.abs(near.centre[0] - m) * UP + near.cover[0] < r
+    for group in groups:
+        mine, count = group.holds(near.centre[0], near.cover[0]), group.count
         if mine.sum() != count:
             return None
         if count == 1:
@@ -172,8 +134,8 @@ def _neighbourhood(
             kinds.append(1)
             apart = complex(near.centre[0][mine & inside][0] - near.centre[0][mine & ~inside][0])
     # A pair's disc stands twice, once for each root.
-    order = [k for kind in range(3) for k in range(len(groups)) if kinds[k] == kind for _ in range(groups[k][2])]
-    discs = Discs(np.array([groups[k][0] for k in order]), np.array([groups[k][1] for k in order]))
+    order = [k for kind in range(3) for k in range(len(groups)) if kinds[k] == kind for _ in range(groups[k].count)]
+    discs = Discs(np.array([groups[k].centre for k in order]), np.array([groups[k].radius for k in order]))
     return Neighbourhood(discs, kinds.count(0), apart, plain)
 
 

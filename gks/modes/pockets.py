@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -28,6 +29,8 @@ LARGEST = 2.0**-4
 points."""
 NEIGHBOURS = 16
 """Stuck steps at most so many smallest steps apart are one stretch, centred on the real axis if it is as near."""
+MOST_PLACES = 40
+"""Stretches with pockets of their own: where there are more, Delta is too small all along to be told from zero."""
 MARGIN = 1 + CIRCLE_STEP + 2.0**-6
 """A pocket's region is that much wider than the pocket, so that the discs along its boundary, of at most CIRCLE_STEP
 times its radius, lie in it."""
@@ -64,12 +67,11 @@ def circled(tables: DiscTables, chart: Chart, points: GlancingPoints) -> Circle:
     """Finds the pockets and walks round them; what stays stuck is in the walk."""
     pockets: list[Pocket] = []
     glancing = _glancing(points, points.of_conservative(), (), SMALLEST[0])
-    for smallest in SMALLEST:
-        taken = _discs(pockets, glancing)
-        around = walk(tables, chart, half_circle(taken), smallest)
-        if not around.stuck or smallest == SMALLEST[-1]:
+    around = walk(tables, chart, half_circle(_discs(pockets, glancing)), SMALLEST[0])
+    for smallest, following in pairwise(SMALLEST):
+        places = _gathered(around.stuck, smallest) if around.stuck else []
+        if not 0 < len(places) <= MOST_PLACES:
             break
-        places = _gathered(around.stuck, smallest)
         for place in places:
             others = [(other.centre, other.reach) for other in places if other is not place]
             others += _discs(pockets, glancing)
@@ -79,6 +81,7 @@ def circled(tables: DiscTables, chart: Chart, points: GlancingPoints) -> Circle:
             elif place.centre.imag:
                 taken = _discs(pockets, glancing)
                 glancing += _glancing(points, points.near(place.centre, place.reach), taken, smallest)
+        around = walk(tables, chart, half_circle(_discs(pockets, glancing)), following, known=around)
     return Circle(around, tuple(pockets), tuple(glancing))
 
 

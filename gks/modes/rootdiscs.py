@@ -11,6 +11,7 @@ polynomial within the coefficients' discs.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -73,6 +74,66 @@ def root_discs(coefficients: Discs, centre: ComplexArray) -> RootDiscs:
         gap[:, np.arange(degree), np.arange(degree)] = 0.0
         reach = np.where(joined, gap * (1 + 4 * PRODUCT) + radius[:, None, :], 0.0)
     return RootDiscs(centre, reach.max(axis=2) * UP, joined)
+
+
+SIZES = 2.0 ** np.arange(-40, 6)
+"""Radii tried for the disc of a group."""
+
+
+@dataclass(frozen=True, slots=True)
+class RootGroup:
+    """A disc with exactly ``count`` roots of every polynomial of a set."""
+
+    centre: complex
+    radius: float
+    count: int
+
+    def holds(self, x: ComplexArray, cover: Array) -> Mask:
+        """Which discs lie in it."""
+        return np.asarray(np.abs(x - self.centre) * UP + cover < self.radius)
+
+
+@np.errstate(all="ignore")  # an infinite cover makes everything infinite or nan, which proves nothing
+def root_groups(middle: Discs, spread: Discs, most: int) -> list[RootGroup] | None:
+    """Disjoint discs with ``most`` roots each at most, for all polynomials with coefficients in ``spread`` (1, n + 1).
+
+    By Rouché's theorem: on abs(x - m) = r the polynomial in the ``middle``, whose roots are told apart, is at least
+    c prod abs(r - abs(x_i - m)), and the others differ from it by no more than sum_k rad_k (abs(m) + r)**k. So roots
+    that meet somewhere in the set are enclosed by what they move, where discs round those of a single polynomial would
+    be several times as large. None where no such discs are found.
+    """
+    roots = root_discs(middle, approximate(middle.mid))
+    x, cover = roots.centre[0], roots.cover[0]
+    lead = float(middle.lower()[0, -1])
+    off = (np.abs(spread.mid - middle.mid)[0] + spread.rad[0] + middle.rad[0]) * UP
+    left, groups = list(range(len(x))), list[RootGroup]()
+    while left:
+        near = sorted(left, key=lambda j: abs(x[j] - x[left[0]]))
+        for count in range(1, min(most, len(near)) + 1):
+            radius = _group_radius(x, cover, lead, off, near[:count])
+            if radius is not None:
+                groups.append(RootGroup(complex(x[near[:count]].mean()), radius, count))
+                left = [j for j in left if j not in near[:count]]
+                break
+        else:
+            return None
+    apart = all(
+        abs(a.centre - b.centre) * (2 - UP) > a.radius + b.radius for i, a in enumerate(groups) for b in groups[:i]
+    )
+    return groups if apart else None
+
+
+def _group_radius(x: ComplexArray, cover: Array, lead: float, off: Array, members: Sequence[int]) -> float | None:
+    """The least of SIZES that does round the mean of some roots."""
+    m = complex(x[members].mean())
+    distance = np.abs(x - m)
+    gaps = np.abs(SIZES[:, None] - distance) * (2 - UP) - cover - 4 * UNIT * (SIZES[:, None] + distance)
+    least = lead * np.where(gaps > 0, gaps, 0).prod(axis=1) * (1 - (len(x) + 4) * PRODUCT)
+    most = ((abs(m) + SIZES[:, None]) ** np.arange(len(off)) * off).sum(axis=1) * (1 + (len(off) + 8) * PRODUCT)
+    inside = distance < SIZES[:, None]
+    holds = (inside.sum(axis=1) == len(members)) & inside[:, members].all(axis=1)
+    good = np.flatnonzero((least > most) & holds)
+    return float(SIZES[good[0]]) if len(good) else None
 
 
 def branches(coefficients: Jets, found: RootDiscs) -> Jets:

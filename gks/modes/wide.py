@@ -24,7 +24,7 @@ from gks.modes.candidates import conjugate
 from gks.modes.chart import Chart, chart_of
 from gks.modes.exactpoint import ExactPoint, exact_point, rational_candidate
 from gks.modes.glancing import GlancingPocket, GlancingPoints
-from gks.modes.inner import just_inside
+from gks.modes.inner import just_inside, outside
 from gks.modes.judgement import judged_zero
 from gks.modes.kreiss import NormalModeProblem
 from gks.modes.numerals import ComplexNumber, midpoint, modulus_of, radius_of, text_real
@@ -83,8 +83,10 @@ def wide_modes(problem: NormalModeProblem, *, inner: bool = False) -> WideModes:
         search.doubt(f"whether a mode lies near z = {1 / w:.6g} is open: spatial roots meet there")
     if len(open_) > MOST_DOUBTS:
         search.doubt(f"the same at {len(open_) - MOST_DOUBTS} more places")
+    if search.result.doubts:
+        search.listed(outside(search.polisher), ModeKind.GROWING)
     if inner:
-        search.inner()
+        search.listed(just_inside(search.polisher), ModeKind.DECAYING)
     return search.result
 
 
@@ -125,12 +127,12 @@ class _Search:
         ]
         self._take(_with_mirrors(found), count, "with abs(z) > 1", across=False)
 
-    def inner(self) -> None:
-        """Modes just inside the circle that no pocket held."""
+    def listed(self, zeros: Sequence[Found], kind: ModeKind) -> None:
+        """Modes that were found and not counted, and are not known yet."""
         known = [place.z for place in self.result.places if isinstance(place, Found)]
-        for each in _with_mirrors(just_inside(self.polisher)):
+        for each in _with_mirrors(zeros):
             if not any(each.z.overlaps(other) for other in known):
-                self._note(_mode(self.problem, each, ModeKind.DECAYING), each)
+                self._note(_mode(self.problem, each, kind), each)
 
     def pocket(self, pocket: Pocket) -> None:
         """The zeros in a pocket, and for one off the real axis those in its mirror image."""

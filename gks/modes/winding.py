@@ -9,7 +9,7 @@ known zero near the circle the walk goes on an arc inside of it.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import acos, ceil, pi
 
@@ -32,7 +32,9 @@ RIGHT_ANGLE = 0.9
 pi by more than any rounding of a phase."""
 JOINT = 2.0**-46
 """Added to the radius of a step's disc: more than the rounding of end points of neighbouring pieces (a few 2**-52)."""
-STEPS = 40_000
+TINY = 2.0**-48
+"""Distance of end points up to which neighbouring steps leave nothing between their discs."""
+STEPS = 20_000
 """Steps after which a walk gives up, some seconds of work."""
 FEW_STEPS = 2_000
 """The same round a pocket, which another radius may suit better: a hundred are usual."""
@@ -50,10 +52,30 @@ class Piece:
 
 
 @dataclass(frozen=True, slots=True)
+class _Settled:
+    """Steps of one piece over which Delta was followed: midpoints and half-lengths in t, the rest as in `Walk`."""
+
+    piece: Piece
+    middle: Array
+    half: Array
+    node: ComplexArray
+    patch: Patch
+
+    def within(self, piece: Piece) -> _Settled | None:
+        """Those that are steps of another piece as well."""
+        if self.piece != piece and not (self.piece.unit and piece.unit):
+            return None
+        low, high = sorted((piece.begin, piece.end))
+        at = np.flatnonzero((self.middle - self.half >= low - TINY) & (self.middle + self.half <= high + TINY))
+        return _Settled(piece, self.middle[at], self.half[at], self.node[at], self.patch.take(at)) if len(at) else None
+
+
+@dataclass(frozen=True, slots=True)
 class Walk:
     """Nodes in order, the value of Delta there, and the nodes of the steps that no size settled.
 
-    ``closed`` says that the path is a full circle; else it runs from a real point to a real point.
+    ``closed`` says that the path is a full circle; else it runs from a real point to a real point. ``settled`` has the
+    steps that need not be taken again where another path has them too.
     """
 
     node: ComplexArray
@@ -63,6 +85,7 @@ class Walk:
     change: Array
     stuck: tuple[complex, ...]
     closed: bool
+    settled: tuple[_Settled, ...] = ()
 
     @property
     def zeros(self) -> float:
@@ -149,15 +172,23 @@ def walk(
     smallest: float,
     region: Region | PairedRegion | None = None,
     most: int = STEPS,
+    known: Walk | None = None,
 ) -> Walk:
     """Walks along the pieces with steps no shorter than ``smallest`` (half-length in w).
 
     With a region, its discs instead of the modulus tell the decaying roots; with one that has pairs, Delta is taken
-    over both choices of their roots, and the walk is that of the product.
+    over both choices of their roots, and the walk is that of the product. Steps of a walk that is ``known`` are not
+    taken again.
     """
-    pending = _first(pieces)
+    kept = [[s for each in (known.settled if known else ()) if (s := each.within(piece))] for piece in pieces]
+    pending = _first(pieces, kept)
     start: Start | None = None
-    done: list[tuple[_Steps, ComplexArray, Patch]] = []
+    done = [
+        (_Steps(np.full(len(s.middle), k), s.middle, s.half), s.node, s.patch)
+        for k, mine in enumerate(kept)
+        for s in mine
+    ]
+    settled = [s for mine in kept for s in mine]
     stuck: list[complex] = []
     taken = 0
     while len(pending.piece):
@@ -169,10 +200,19 @@ def walk(
         stuck += [complex(w) for w in node[~passed & small]]
         closed = np.flatnonzero(passed | small)
         done.append((pending.take(closed), node[closed], found.take(closed)))
+        settled += _settled(pieces, pending, node, found, np.flatnonzero(passed))
         open_ = np.flatnonzero(~(passed | small))
         pending = pending.take(open_).divided()
         start = found.start.take(np.repeat(open_, 2))
-    return _ordered(pieces, done, stuck)
+    return _ordered(pieces, done, stuck, settled)
+
+
+def _settled(
+    pieces: Sequence[Piece], steps: _Steps, node: ComplexArray, found: Patch, passed: Index
+) -> Iterator[_Settled]:
+    for k in np.unique(steps.piece[passed]):
+        at = passed[steps.piece[passed] == k]
+        yield _Settled(pieces[int(k)], steps.middle[at], steps.half[at], node[at], found.take(at))
 
 
 MOST_BYTES = 100_000_000
@@ -205,16 +245,30 @@ def _patches(
     return Patch.join([over(disc[at], node[at], start and start.take(at)) for at in places])
 
 
-def _first(pieces: Sequence[Piece]) -> _Steps:
+def _first(pieces: Sequence[Piece], kept: Sequence[Sequence[_Settled]]) -> _Steps:
+    """The first steps along what no kept ones cover."""
     number, middle, half = [], [], []
     for k, piece in enumerate(pieces):
-        span = piece.end - piece.begin
-        count = ceil(abs(span) / (2 * (FIRST_STEP if piece.unit else CIRCLE_STEP)))
-        for j in range(count):
-            number.append(k)
-            middle.append(piece.begin + span * (j + 0.5) / count)
-            half.append(abs(span) / (2 * count))
-    return _Steps(np.array(number), np.array(middle), np.array(half))
+        for low, high in _uncovered(piece, kept[k]):
+            count = ceil((high - low) / (2 * (FIRST_STEP if piece.unit else CIRCLE_STEP)))
+            for j in range(count):
+                number.append(k)
+                middle.append(low + (high - low) * (j + 0.5) / count)
+                half.append((high - low) / (2 * count))
+    return _Steps(np.array(number, np.intp), np.array(middle), np.array(half))
+
+
+def _uncovered(piece: Piece, kept: Sequence[_Settled]) -> Iterator[tuple[float, float]]:
+    """The intervals of t between kept steps, ascending."""
+    at, end = sorted((piece.begin, piece.end))
+    if kept:
+        middle, half = (np.concatenate([getattr(s, name) for s in kept]) for name in ("middle", "half"))
+        for low, high in sorted(zip(middle - half, middle + half, strict=True)):
+            if low > at + TINY:
+                yield at, float(low)
+            at = max(at, float(high))
+    if end > at + TINY:
+        yield at, end
 
 
 def _cover(pieces: Sequence[Piece], steps: _Steps) -> tuple[Discs, ComplexArray]:
@@ -229,7 +283,12 @@ def _cover(pieces: Sequence[Piece], steps: _Steps) -> tuple[Discs, ComplexArray]
     return Discs(node, reach + JOINT * radius), node
 
 
-def _ordered(pieces: Sequence[Piece], done: Sequence[tuple[_Steps, ComplexArray, Patch]], stuck: list[complex]) -> Walk:
+def _ordered(
+    pieces: Sequence[Piece],
+    done: Sequence[tuple[_Steps, ComplexArray, Patch]],
+    stuck: Sequence[complex],
+    settled: Sequence[_Settled],
+) -> Walk:
     piece = np.concatenate([s.piece for s, _, _ in done])
     forward = np.array([1.0 if p.end >= p.begin else -1.0 for p in pieces])[piece]
     order = np.lexsort((np.concatenate([s.middle for s, _, _ in done]) * forward, piece))
@@ -237,7 +296,7 @@ def _ordered(pieces: Sequence[Piece], done: Sequence[tuple[_Steps, ComplexArray,
     node = np.concatenate([n for _, n, _ in done])[order]
     closed = len(pieces) == 1 and abs(pieces[0].end - pieces[0].begin) > 1.5 * pi
     log = found.log.sum(axis=1)
-    return Walk(node, found.phase, log, found.relative, found.change, tuple(stuck), closed)
+    return Walk(node, found.phase, log, found.relative, found.change, tuple(stuck), closed, tuple(settled))
 
 
 def seeds(found: Walk, centre: complex, radius: float, count: int) -> list[complex]:
