@@ -21,10 +21,12 @@ def carry_out(arguments: Namespace) -> str:
     limit = _whole_limit(arguments) if arguments.command in WHOLE else None
     if limit is None:
         return _COMMANDS[arguments.command](arguments)
-    from gks.bounds.timelimit import OverTime, limited
+    from gks.bounds.timelimit import Died, OverTime, limited
 
     try:
         (text,) = limited(_report_text, (arguments,), limit)
+    except Died as ended:
+        raise InputError(str(ended), mend="a scheme with shorter numbers takes less") from None
     except OverTime as over:
         raise InputError(str(over), mend="--limit SECONDS allows more") from None
     return str(text)

@@ -12,7 +12,7 @@ from decimal import Context, Decimal, DivisionByZero, InvalidOperation, Overflow
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from gks.errors import IrrationalValue, NotAnalysable, ParameterError
+from gks.errors import IrrationalValue, NotAnalysable, ParameterError, quoted
 from gks.scheme.operators import SPACE_OPERATORS, discrete_stencil, stencil
 
 if TYPE_CHECKING:
@@ -74,7 +74,7 @@ def evaluate(formula: Expr, values: Mapping[str, Fraction]) -> float:
             exact = formula.fold(_DecimalAlgebra(values))
         except (DivisionByZero, InvalidOperation, Overflow) as cause:
             raise ParameterError(
-                message=f"{formula} has no real value at these parameters", expected="a real number"
+                message=f"{quoted(str(formula))} has no real value at these parameters", expected="a real number"
             ) from cause
     try:
         rounded = float(exact)
@@ -82,7 +82,7 @@ def evaluate(formula: Expr, values: Mapping[str, Fraction]) -> float:
         rounded = float("inf")
     if abs(rounded) == float("inf") or (rounded == 0.0 and exact != 0):
         raise NotAnalysable(
-            message=f"{formula} is beyond double precision at these parameters",
+            message=f"{quoted(str(formula))} is beyond double precision at these parameters",
             expected="a march computes in doubles",
             mend="march at milder values",
         )

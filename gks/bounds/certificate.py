@@ -20,6 +20,7 @@ from gks.bounds.theorem import Theorem
 from gks.modes.algebraic import Root, isolated_roots
 from gks.modes.fibre import embed
 from gks.modes.printing import polynomial_text
+from gks.scheme.numbers import fraction_text
 
 SCHEMA = "gks.certificate/1"
 
@@ -68,7 +69,7 @@ def _head(theorem: Theorem, fixed: Mapping[str, Fraction]) -> dict[str, object]:
         "name": theorem.scheme.name,
         "scheme": theorem.scheme.text,
         "parameter": theorem.parameter,
-        "values": {name: str(value) for name, value in fixed.items() if name != theorem.scheme.cfl},
+        "values": {name: fraction_text(value) for name, value in fixed.items() if name != theorem.scheme.cfl},
     }
 
 

@@ -16,6 +16,7 @@ from gks.modes.kreiss import normal_mode_problem
 from gks.modes.numerals import json_complex, json_real, text_complex, text_real
 from gks.modes.verdict import Mode, ModeKind, ModesResult
 from gks.scheme.model import Scheme
+from gks.scheme.numbers import fraction_text
 
 Values = Mapping[str, Fraction]
 
@@ -50,7 +51,7 @@ class Counterexample:
     def to_json(self) -> dict[str, object]:
         mode = self.mode
         return {
-            "parameters": {name: str(value) for name, value in self.parameters.items()},
+            "parameters": {name: fraction_text(value) for name, value in self.parameters.items()},
             "shows": self.shows,
             "verdict": self.verdict,
             "z": None if mode is None else json_complex(mode.z),
@@ -147,5 +148,5 @@ def point_text(values: Values) -> str:
 
 def exact_text(value: Fraction) -> str:
     """A short fraction as it is, a long one to fifteen digits."""
-    text = str(value)
+    text = fraction_text(value)
     return text if len(text) <= 12 else text_real(value)

@@ -26,6 +26,17 @@ class OverTime(Exception):
         super().__init__(f"not done within the limit of {limit:g} s")
 
 
+class Died(OverTime):
+    """The process of the computation was ended, by FLINT or the system: there is no more memory, nearly always."""
+
+    def __init__(self) -> None:
+        Exception.__init__(self, "the computation was ended before its time: it needs more memory than there is")
+
+
+NO_MEMORY = 3
+"""Exit status of a process that Python has told that there is no more memory."""
+
+
 def can_fork() -> bool:
     """Whether this process can be copied: another thread might hold a lock that its copy would wait for."""
     return hasattr(os, "fork") and threading.active_count() == 1
@@ -73,11 +84,15 @@ def _forked(job: Job, arguments: Sequence[object], limit: float) -> Iterator[obj
             yield content
         if clock.over:
             raise OverTime(limit)
+        ended, child = os.waitpid(child, 0)[1], 0
+        if os.WIFSIGNALED(ended) or os.WEXITSTATUS(ended) == NO_MEMORY:
+            raise Died
         raise RuntimeError("the process of a long computation died")
     finally:
         os.close(source)
-        os.kill(child, signal.SIGKILL)
-        os.waitpid(child, 0)
+        if child:
+            os.kill(child, signal.SIGKILL)
+            os.waitpid(child, 0)
 
 
 def _run(job: Job, arguments: Sequence[object], target: int, limit: float) -> None:
@@ -97,6 +112,8 @@ def _run(job: Job, arguments: Sequence[object], target: int, limit: float) -> No
                 job(*arguments, report)
             except GksError as error:
                 send(stream, ("error", bare(error)))
+            except MemoryError:
+                os._exit(NO_MEMORY)
             else:
                 send(stream, ("end", None))
         status = 0

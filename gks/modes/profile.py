@@ -39,6 +39,7 @@ from gks.modes.numerals import (
 )
 from gks.modes.verdict import Mode, ModeKind, ModesResult, text_modulus
 from gks.scheme.model import HalfLine, Scheme
+from gks.scheme.numbers import fraction_text
 
 PRECISIONS = (128, 256, 512, 1024, 2048, 4096, 8192)
 """Bits tried in turn. Spatial roots at distance 2**-b cost b bits for each further root they are close to."""
@@ -123,7 +124,7 @@ class Profile:
     def to_json(self) -> dict[str, object]:
         return {
             "schema": "gks.profile/1",
-            "parameters": {name: str(value) for name, value in self.parameters.items()},
+            "parameters": {name: fraction_text(value) for name, value in self.parameters.items()},
             "index": self.number,
             "mode": self.mode.to_json(),
             "dimension": len(self.shapes),

@@ -19,6 +19,7 @@ from gks.modes.numerals import (
     text_real,
 )
 from gks.scheme.model import Scheme
+from gks.scheme.numbers import fraction_text
 
 
 class Verdict(Enum):
@@ -132,7 +133,7 @@ class ModesResult:
             modes.insert(0, _infinite_mode(self.scheme))
         return {
             "schema": "gks.modes/1",
-            "parameters": {name: str(value) for name, value in self.parameters.items()},
+            "parameters": {name: fraction_text(value) for name, value in self.parameters.items()},
             "verdict": self.verdict.value,
             "reason": self.reason,
             "margin": "-oo" if not self.solvable else None if self.margin is None else json_real(self.margin),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from decimal import Decimal
 from fractions import Fraction
 from math import log10
 
@@ -45,6 +46,12 @@ def decimal(text: str) -> Fraction:
     if not mantissa:
         return Fraction(0)
     return Fraction(mantissa * 10**shift) if shift >= 0 else Fraction(mantissa, 10**-shift)
+
+
+def fraction_text(value: Fraction) -> str:
+    """The number itself, as ``str`` has it; Python's own refuses more than 4300 digits, which 1e-5000 has."""
+    top, bottom = (f"{Decimal(part):f}" for part in (value.numerator, value.denominator))
+    return top if bottom == "1" else f"{top}/{bottom}"
 
 
 def decimal_text(value: Fraction, digits: int = 6) -> str:

@@ -4,9 +4,14 @@ from __future__ import annotations
 
 import os
 import re
+import resource
+import subprocess
+import sys
+import textwrap
 import threading
 import time
 from collections.abc import Callable, Iterator
+from pathlib import Path
 
 import pytest
 
@@ -34,6 +39,58 @@ def count(upto: int, seconds: float, report: Report) -> None:
 def at_fault(report: Report) -> None:
     report("so far")
     raise ParameterError("no such thing", path="alpha")
+
+
+def aborted(report: Report) -> None:
+    """As FLINT ends a process that gets no more memory."""
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    os.abort()
+
+
+def out_of_memory(report: Report) -> None:
+    raise MemoryError
+
+
+def mistaken(report: Report) -> None:
+    raise KeyError("a fault of the program")
+
+
+class TestProcessesThatDie:
+    """Each in a process of its own, which has one thread and is copied."""
+
+    @pytest.mark.parametrize(
+        ("job", "told"), [("aborted", "Died"), ("out_of_memory", "Died"), ("mistaken", "RuntimeError")]
+    )
+    def test_no_memory_is_told_from_a_fault_of_the_program(self, job: str, told: str) -> None:
+        run = alone(
+            f"""
+            from tests.bounds.test_timelimit import {job}, limited
+            try:
+                list(limited({job}, (), 60))
+            except Exception as error:
+                print(type(error).__name__)
+            """
+        )
+        assert run.stdout.split() == [told]
+        assert ("a fault of the program" in run.stderr) is (told == "RuntimeError")
+
+    def test_a_command_says_it_in_one_line(self) -> None:
+        run = alone(
+            """
+            import os, sys
+            from gks import cli, commands
+            commands._report_text = lambda arguments, report: os.abort()
+            sys.exit(cli.main(["derive", "traditional-1"]))
+            """
+        )
+        assert run.returncode == 2
+        assert "more memory than there is" in run.stderr
+
+
+def alone(program: str) -> subprocess.CompletedProcess[str]:
+    """A program of a few lines in an interpreter of its own."""
+    command = [sys.executable, "-c", textwrap.dedent(program)]
+    return subprocess.run(command, capture_output=True, text=True, check=False, cwd=Path(__file__).parents[2])
 
 
 @pytest.fixture(params=["forked", "started afresh"])

@@ -12,8 +12,8 @@ from random import Random
 
 from tests.fuzz.case import COMMANDS, FILE, MOST_BYTES, OUTPUTS, Case
 
-LIMITED = ("prove", "modes", "curve")
-"""The commands that take --limit: a scheme for which an analysis is long is no fault."""
+LIMITED = COMMANDS
+"""The commands that take --limit, all of them: a scheme for which an analysis is long is no fault."""
 
 Mutation = Callable[[str, Random], str]
 

@@ -79,7 +79,10 @@ def plain(folder: Path, count: int, seed: int) -> None:
     pool = seeds(random)
     worker = Worker(folder, count)
     for _ in range(count):
-        case = mutated(random.choice(pool), random)
+        try:
+            case = mutated(random.choice(pool), random)
+        except MemoryError:  # an edit that repeats a line of a megabyte: the program's limit holds for the worker too
+            continue
         worker.take(case.data())
         if not random.randrange(20) and len(case.payload) < 20_000:
             pool[random.randrange(len(pool) // 2, len(pool))] = case
