@@ -76,13 +76,18 @@ def evaluate(formula: Expr, values: Mapping[str, Fraction]) -> float:
             raise ParameterError(
                 message=f"{quoted(str(formula))} has no real value at these parameters", expected="a real number"
             ) from cause
+    return as_double(exact, str(formula))
+
+
+def as_double(exact: Fraction | Decimal, name: str) -> float:
+    """A number as the nearest double. Raises NotAnalysable, with its name, beyond their range."""
     try:
         rounded = float(exact)
     except OverflowError:
         rounded = float("inf")
     if abs(rounded) == float("inf") or (rounded == 0.0 and exact != 0):
         raise NotAnalysable(
-            message=f"{quoted(str(formula))} is beyond double precision at these parameters",
+            message=f"{quoted(name)} is beyond double precision at these parameters",
             expected="a march computes in doubles",
             mend="march at milder values",
         )

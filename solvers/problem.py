@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING
 from gks.errors import NotAnalysable
 from gks.scheme.integrators import Integrator, integrator
 from gks.scheme.model import HalfLine, LinearForm, NamedLines, NamedScheme, Scheme, WrittenLines
-from gks.solvers.coefficients import discrete_blocks, evaluate, space_blocks
+from gks.solvers.coefficients import as_double, discrete_blocks, evaluate, space_blocks
 
 if TYPE_CHECKING:
     from gks.solvers.coefficients import Matrix
@@ -130,8 +130,8 @@ def build(scheme: Scheme, values: Mapping[str, Fraction]) -> Problem:
 
 
 def evaluate_lam(scheme: Scheme, values: Mapping[str, Fraction]) -> float:
-    """The CFL number as a double."""
-    return float(values[scheme.cfl])
+    """The CFL number as a double. Raises NotAnalysable beyond their range."""
+    return as_double(values[scheme.cfl], scheme.cfl)
 
 
 def _outward(half: HalfLine) -> int:

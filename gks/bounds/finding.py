@@ -13,7 +13,7 @@ from gks.modes.algebraic import Root
 from gks.modes.analysis import analyse, eliminated
 from gks.modes.candidates import candidates_of
 from gks.modes.kreiss import normal_mode_problem
-from gks.modes.numerals import json_complex, json_real, text_complex, text_real
+from gks.modes.numerals import exact_fraction, json_complex, json_real, text_complex, text_real
 from gks.modes.verdict import Mode, ModeKind, ModesResult
 from gks.scheme.model import Scheme
 from gks.scheme.numbers import fraction_text
@@ -117,8 +117,9 @@ def _is_at(candidate: Candidate, mode: Mode) -> bool:
     """Whether a candidate's z lies where the mode was printed; both are known far better than a double shows."""
     assert candidate.z is not None
     ball = candidate.z.ball(IDENTITY_BITS)
+    near = max(mode.modulus, Fraction(1, 2**1000)) / 2**50
     return all(
-        abs(float(part.mid()) - float(printed)) <= 2.0**-50 * float(max(mode.modulus, Fraction(1, 2**1000)))
+        abs(exact_fraction(part.mid()) - printed) <= near
         for part, printed in zip((ball.real, ball.imag), mode.z, strict=True)
     )
 
