@@ -30,6 +30,7 @@ from gks.modes.derivation import common_speed
 from gks.modes.doubledouble import UNIT
 from gks.modes.fibre import specialise, univariate
 from gks.modes.kreiss import NormalModeProblem, normal_mode_problem
+from gks.modes.numerals import to_double
 from gks.modes.polynomial import Degenerate, Factor, TooWide, characteristic_factors
 from gks.modes.verdict import ModeKind
 from gks.scheme.model import Scheme
@@ -41,18 +42,6 @@ DIVISIONS, COSTLY_DIVISIONS = 12, 3
 """Halvings of one step of the sweep: where roots are cheap, and where each means an analysis of the scheme."""
 MOST_POINTS = 20_000
 """Values of a root map: more than any picture shows."""
-
-
-def _is_double(value: Fraction) -> bool:
-    """Whether a number is within the range of doubles."""
-    try:
-        return not value or abs(float(value)) >= MIN_DOUBLE
-    except OverflowError:
-        return False
-
-
-MIN_DOUBLE = 2.0**-1022
-"""The smallest number that has all digits of a double."""
 
 
 def rootmap(scheme: Scheme, values: Mapping[str, Fraction], over: Sweep, progress: Progress | None = None) -> RootMap:
@@ -67,7 +56,7 @@ def rootmap(scheme: Scheme, values: Mapping[str, Fraction], over: Sweep, progres
     if over.name == scheme.cfl and min(over.values) <= 0:
         raise ParameterError(f"{over.name} runs to {min(over.values)}", path="--sweep", expected="dt/dx is positive")
     for value in (*over.values, *values.values()):
-        if not _is_double(Fraction(value)):
+        if to_double(Fraction(value)) is None:
             text = decimal_text(Fraction(value))
             raise ParameterError(f"a value of {text}", expected="roots are followed in doubles")
     exact = _Exact(scheme, values, over)

@@ -273,8 +273,7 @@ def _mirrored(last: tuple[Mode, Candidate] | None, candidate: Candidate) -> Mode
     mode, before = last
     if before.sigma.index != candidate.sigma.index - 1 or not before.sigma.ball().imag > 0:
         return None
-    kappa = {name: tuple((real, -imaginary) for real, imaginary in each) for name, each in mode.kappa.items()}
-    return replace(mode, z=(mode.z[0], -mode.z[1]), kappa=kappa)
+    return mode.conjugate()
 
 
 def eliminated(problem: NormalModeProblem) -> Elimination:

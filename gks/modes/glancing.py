@@ -31,6 +31,7 @@ from gks.modes.judgement import judged_exactly
 from gks.modes.kreiss import NormalModeProblem
 from gks.modes.kreisspairs import PairedRegion, paired_region
 from gks.modes.polynomial import Factor
+from gks.modes.reversal import time_reversed
 from gks.modes.tables import DiscTables
 from gks.modes.undecided import Undecided
 from gks.modes.verdict import Mode
@@ -86,12 +87,7 @@ class GlancingPoints:
         """Whether z -> 1/conj(z), x -> 1/conj(x) takes the symbol to itself: s -> -conj(s) does it where s is the
         variable.
         """
-        mirrored = reciprocal_in(symbol, ("x",))
-        if self._problem.variable == "s":
-            mirrored = mirrored.compose(*(-g if n == "s" else g for n, g in self._problem.coefficients.gens.items()))
-        else:
-            mirrored = reciprocal_in(mirrored, (self._problem.variable,))
-        return mirrored in (symbol, -symbol)
+        return time_reversed(self._problem, reciprocal_in(symbol, ("x",))) in (symbol, -symbol)
 
     def near(self, place: complex, reach: float) -> list[complex]:
         """Places of the chart in the upper half-plane where glancing points lie, at most ``reach`` from a point."""

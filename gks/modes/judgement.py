@@ -25,7 +25,7 @@ from gks.modes.numerals import midpoint, modulus_of, radius_of
 from gks.modes.order import vanishing_order
 from gks.modes.rank import certain_rank
 from gks.modes.sheets import Choice, only_vanishing
-from gks.modes.spatialballs import BallSpace, NotTold, ball_space, has_kernel
+from gks.modes.spatialballs import BallSpace, NotTold, ball_space, by_block, has_kernel
 from gks.modes.undecided import Undecided
 from gks.modes.verdict import Mode, ModeKind
 
@@ -91,7 +91,7 @@ def judged_zero(problem: NormalModeProblem, candidate: Candidate) -> tuple[Mode,
         space = ball_space(problem, candidate)
     except NotTold:
         return judged_exactly(problem, candidate)
-    roots = [[Root.of(0)] * b.zeros + list(space.inside[b.family]) for b in problem.blocks]
+    roots = by_block(problem, space.inside)
     zero = vanishes(problem, candidate.sigma, roots) if sum(map(len, roots)) == problem.size else None
     if zero is None:
         raise Undecided("a determinant that vanishes to all digits was not proved to vanish")

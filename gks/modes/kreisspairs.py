@@ -29,12 +29,10 @@ from gks.modes.kreissdiscs import (
     closure_over,
     determinant,
     inside_circle,
-    led,
-    symbol_over,
-    turned_back,
 )
 from gks.modes.rootdiscs import Mask, RootDiscs, RootGroup, approximate, root_discs, root_groups
 from gks.modes.rootdiscs import branches as branches_of
+from gks.modes.symboldiscs import led, symbol_over, turned_back
 from gks.modes.tables import DiscTables
 
 

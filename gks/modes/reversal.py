@@ -55,7 +55,8 @@ def _mirrored(polynomial: fmpq_poly, degree: int) -> fmpq_poly:
     return fmpq_poly([polynomial[degree - k] for k in range(degree + 1)])
 
 
-def _reversed(problem: NormalModeProblem, polynomial: fmpz_mpoly) -> fmpz_mpoly:
+def time_reversed(problem: NormalModeProblem, polynomial: fmpz_mpoly) -> fmpz_mpoly:
+    """The polynomial at -s, or at 1/z times the power of z that clears it."""
     name = problem.variable
     if name != "s":
         return reciprocal_in(polynomial, (name,))
@@ -64,7 +65,7 @@ def _reversed(problem: NormalModeProblem, polynomial: fmpz_mpoly) -> fmpz_mpoly:
 
 def _image(problem: NormalModeProblem, family: int) -> int | None:
     """The family whose symbol is that of this one reversed."""
-    image = _reversed(problem, problem.families[family].polynomial)
+    image = time_reversed(problem, problem.families[family].polynomial)
     for k, other in enumerate(problem.families):
         if other.polynomial in (image, -image) and other.decaying == problem.families[family].decaying:
             return k
@@ -87,12 +88,12 @@ def _exchanges(problem: NormalModeProblem, images: Sequence[int | None]) -> Iter
 
 def _reversed_row(problem: NormalModeProblem, row: Sequence[Term]) -> list[Term]:
     if problem.variable == "s":
-        return [Term(t.block, t.n, _reversed(problem, t.coefficient)) for t in row]
+        return [Term(t.block, t.n, time_reversed(problem, t.coefficient)) for t in row]
     # One power of z for the whole row clears its denominators.
     z = problem.coefficients.gens[problem.variable]
     degrees = [degree_in(t.coefficient, problem.variable) for t in row]
     return [
-        Term(t.block, t.n, _reversed(problem, t.coefficient) * z ** (max(degrees) - degree))
+        Term(t.block, t.n, time_reversed(problem, t.coefficient) * z ** (max(degrees) - degree))
         for t, degree in zip(row, degrees, strict=True)
     ]
 

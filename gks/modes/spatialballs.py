@@ -182,8 +182,7 @@ def has_kernel(
     if known is not None:
         return known > 0
     if columns == problem.size:
-        roots: list[list[Enclosed]] = [[*([Root.of(0)] * b.zeros), *space.inside[b.family]] for b in problem.blocks]
-        zero = vanishes(problem, candidate.sigma, roots)
+        zero = vanishes(problem, candidate.sigma, by_block(problem, space.inside))
         if zero is not None:
             return zero
     return columns > exact_rank(
@@ -193,8 +192,13 @@ def has_kernel(
 
 def _matrices(problem: NormalModeProblem, point: Mapping[str, Root], choice: Roots) -> Callable[[int], list[list[acb]]]:
     """The Kreiss matrix over a choice of roots, at any precision."""
-    roots: list[list[Enclosed]] = [[*([Root.of(0)] * b.zeros), *choice[b.family]] for b in problem.blocks]
+    roots = by_block(problem, choice)
     return lambda bits: closure_matrix(problem, point, roots, bits)
+
+
+def by_block(problem: NormalModeProblem, choice: Roots) -> list[list[Enclosed]]:
+    """The roots 0 and the chosen ones of every block."""
+    return [[*([Root.of(0)] * b.zeros), *choice[b.family]] for b in problem.blocks]
 
 
 def _never_vanishes(problem: NormalModeProblem, point: Mapping[str, Root], choice: Roots) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import Enum
 from fractions import Fraction
 from typing import Literal
@@ -77,6 +77,11 @@ class Mode:
     def z_complex(self) -> complex:
         """z in double precision; OverflowError beyond its range."""
         return complex(float(self.z[0]), float(self.z[1]))
+
+    def conjugate(self) -> Mode:
+        """The mode at the conjugate z, which a scheme with real coefficients has as well."""
+        kappa = {name: tuple((real, -imaginary) for real, imaginary in each) for name, each in self.kappa.items()}
+        return replace(self, z=(self.z[0], -self.z[1]), kappa=kappa)
 
     def to_json(self) -> dict[str, object]:
         return {

@@ -185,7 +185,7 @@ class _Search:
             return False
         for mode, place in zip(self.result.modes, self.result.places, strict=True):
             if isinstance(place, Candidate) and holds(sigma.conjugate(), place.sigma):
-                self._note(_conjugate_mode(mode), conjugate(place))
+                self._note(mode.conjugate(), conjugate(place))
                 return True
         candidate = candidate_at(self.problem, sigma, zero.z)
         if candidate is None:
@@ -206,7 +206,7 @@ class _Search:
         """The mode at a glancing point, where there is one, and its conjugate."""
         if pocket.mode is not None:
             self._note(pocket.mode, pocket.candidate)
-            self._note(_conjugate_mode(pocket.mode), conjugate(pocket.candidate))
+            self._note(pocket.mode.conjugate(), conjugate(pocket.candidate))
 
     def _exact(self, z: int, most: int) -> ExactPoint | None:
         """The judgement of z = 1 or z = -1; None where Delta does not vanish there, or that is left open."""
@@ -283,11 +283,6 @@ def _mode(problem: NormalModeProblem, found: Found, kind: ModeKind) -> Mode:
             # It may be real: the wider disc round the real midpoint holds it all the same.
             imaginary, radius = Fraction(0), radius + abs(imaginary)
         return Mode((real, imaginary), modulus_of(found.z), radius, found.multiplicity, kind, kappa)
-
-
-def _conjugate_mode(mode: Mode) -> Mode:
-    kappa = {name: tuple((real, -imaginary) for real, imaginary in each) for name, each in mode.kappa.items()}
-    return replace(mode, z=(mode.z[0], -mode.z[1]), kappa=kappa)
 
 
 def _exact_mode(problem: NormalModeProblem, point: ExactPoint, z: int) -> Mode:

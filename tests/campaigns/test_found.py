@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from gks.campaigns.routes import settled_radius
+from gks.catalogue.interfaces import UNIT, closure_lines, ghost_equations, own_value, two_media
 from gks.modes.analysis import quick_verdict
 from gks.modes.verdict import Verdict
 from gks.modes.winding import Walk, seeds
@@ -27,33 +28,26 @@ def test_a_node_that_falls_on_a_zero_does_not_spoil_the_seeds() -> None:
     assert sorted(found, key=lambda w: w.imag) == pytest.approx(sorted(zeros, key=lambda w: w.imag), abs=1e-3)
 
 
-ROUNDED = """
-title = "Interface: upwind1 ssprk3, order 2"
-[parameters]
-lam = { role = "cfl", default = "5/4" }
-[interior]
-space = "upwind1"
-time = "ssprk3"
-[domains.L]
-side = "left"
-unknowns = ["u", "s"]
-flux = [["0", "-1"], ["-1", "0"]]
-[domains.R]
-side = "right"
-unknowns = ["u", "s"]
-flux = [["0", "-1000000"], ["-1/1000000", "0"]]
-[closure]
-let.uL = "3/2*L.u[0] - 1/2*L.u[-1]"
-let.uR = "3/2*R.u[0] - 1/2*R.u[1]"
-let.sL = "3/2*L.s[0] - 1/2*L.s[-1]"
-let.sR = "3/2*R.s[0] - 1/2*R.s[1]"
-let.u_I = "(1000000/1000001)*(uL + sL - sR) + (1/1000001)*uR"
-let.s_I = "(1000000/1000001)*sL + (1/1000001)*(sR + uR) - (1/1000001)*uL"
-equations = [
-  "L.u[1] = 2*u_I - L.u[0]", "L.s[1] = 2*s_I - L.s[0]",
-  "R.u[-1] = 2*u_I - R.u[0]", "R.s[-1] = 2*s_I - R.s[0]",
-]
-"""
+def side(unknown: str, domain: str) -> str:
+    """The value at the interface, extrapolated linearly from one side."""
+    return own_value(domain, unknown, 2)
+
+
+ROUNDED = two_media(
+    "Interface: upwind1 ssprk3, order 2",
+    'lam = { role = "cfl", default = "5/4" }',
+    'space = "upwind1"\ntime = "ssprk3"',
+    closure_lines(
+        ghost_equations(2),
+        {
+            "u_I": f"(1000000/1000001)*({side('u', 'L')} + {side('s', 'L')} - {side('s', 'R')})"
+            f" + (1/1000001)*{side('u', 'R')}",
+            "s_I": f"(1000000/1000001)*{side('s', 'L')}"
+            f" + (1/1000001)*({side('s', 'R')} + {side('u', 'R')} - {side('u', 'L')})",
+        },
+    ),
+    (UNIT, ("-1000000", "-1/1000000")),
+)
 
 
 def test_rounding_a_matrix_is_no_evidence_of_growth() -> None:

@@ -20,6 +20,7 @@ from flint import acb, arb, ctx
 from hypothesis import given
 from hypothesis import strategies as st
 
+from gks.catalogue.interfaces import UNIT, closure_lines, two_media
 from gks.errors import InputError
 from gks.modes import analysis
 from gks.modes.admissible import Candidate, admissible, point_of
@@ -94,29 +95,14 @@ equations = [{", ".join(f'"{each}"' for each in closure)}]
 
 
 def media(time: str, closure: Sequence[str], alpha: str, lam: str = "1/2", speed: str = "1") -> Scheme:
-    return parse_scheme(
-        f"""
-title = "two media"
-[parameters]
-lam = {{ role = "cfl", default = "{lam}" }}
-alpha = "{alpha}"
-c = "{speed}"
-[interior]
-space = "central4"
-time = "{time}"
-[domains.L]
-side = "left"
-unknowns = ["u", "s"]
-flux = [["0", "-1"], ["-1", "0"]]
-[domains.R]
-side = "right"
-unknowns = ["u", "s"]
-flux = [["0", "-c/alpha"], ["-alpha*c", "0"]]
-[closure]
-equations = [{", ".join(f'"{each}"' for each in closure)}]
-""",
-        "media",
+    text = two_media(
+        "two media",
+        f'lam = {{ role = "cfl", default = "{lam}" }}\nalpha = "{alpha}"\nc = "{speed}"',
+        f'space = "central4"\ntime = "{time}"',
+        closure_lines(closure),
+        (UNIT, ("-c/alpha", "-alpha*c")),
     )
+    return parse_scheme(text, "media")
 
 
 def problem_of(scheme: Scheme) -> NormalModeProblem:
