@@ -46,7 +46,7 @@ class InputError(GksError):
     def __str__(self) -> str:
         place = [str(self.where)] if self.where is not None else []
         entry = [one_line(self.path)] if self.path else []
-        words = "; ".join(part for part in (self.message, self.expected, self.mend) if part)
+        words = "; ".join(shortened(part, LONGEST) for part in (self.message, self.expected, self.mend) if part)
         return one_line(": ".join([*place, *entry, words]))
 
     def __reduce__(self) -> tuple[object, ...]:
@@ -92,9 +92,16 @@ def counted(number: int, noun: str) -> str:
     return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
 
 
+LONGEST = 500
+"""Characters of each part of a message; what is longer quotes numbers or formulas that nobody reads to the end."""
+
+
+def shortened(text: str, most: int) -> str:
+    """The text, shortened in the middle to `most` characters."""
+    half = (most - 3) // 2
+    return text if len(text) <= most else text[:half] + "..." + text[-half:]
+
+
 def quoted(text: str, most: int = 60) -> str:
     """User text for a message: in quotes, on one line, shortened in the middle to `most` characters."""
-    if len(text) > most:
-        half = (most - 3) // 2
-        text = text[:half] + "..." + text[-half:]
-    return '"' + one_line(text) + '"'
+    return '"' + one_line(shortened(text, most)) + '"'

@@ -9,6 +9,8 @@ import re
 from collections.abc import Mapping
 from typing import Any, Protocol
 
+from flint import fmpz
+
 _TOKEN = re.compile(r"\s*(?:(\d+)|([^\W\d]\w*)|(\*\*|[-+*/()]))")
 
 DEEPEST = 100
@@ -86,7 +88,7 @@ class _Reader:
         if token is None or depth > DEEPEST:
             raise Rejected(f"{self.text!r} is no formula")
         if token.isdigit():
-            return self.reading.integer(int(token))
+            return self.reading.integer(int(fmpz(token)))  # of any length
         if token == "(" or (token == "sqrt" and self.take("(")):
             value = self.sum(depth + 1)
             if not self.take(")"):

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from hashlib import sha256
 from itertools import pairwise
 from typing import Any, cast
 
-from flint import acb, arb, ctx, fmpq, fmpz_mpoly, fmpz_poly
+from flint import acb, arb, ctx, fmpq, fmpz, fmpz_mpoly, fmpz_poly
 
 from gks.bounds.checkformula import Rejected
 from gks.bounds.checkring import parts_of, put
@@ -29,15 +30,17 @@ def digest(certificate: Mapping[str, Any]) -> str:
 
 def fraction(text: object) -> Fraction:
     """A rational number in lowest terms."""
-    if not isinstance(text, str):
+    match = _FRACTION.fullmatch(text) if isinstance(text, str) else None
+    if match is None:
         raise Rejected(f"{text!r} is no number")
-    try:
-        value = Fraction(text)
-    except (ValueError, ZeroDivisionError):
-        raise Rejected(f"{text!r} is no number") from None
-    if str(value) != text:
+    top, bottom = (int(fmpz(part)) for part in match.groups(default="1"))  # of any length
+    value = Fraction(top, bottom)
+    if value.numerator != top or (match[2] is not None and bottom == 1):
         raise Rejected(f"{text!r} is not in lowest terms")
     return value
+
+
+_FRACTION = re.compile(r"(0|-?[1-9][0-9]*)(?:/([1-9][0-9]*))?", re.ASCII)
 
 
 def ball_of(value: Fraction) -> arb:

@@ -7,12 +7,13 @@ from dataclasses import dataclass
 from fractions import Fraction
 from math import isqrt, prod
 
-from flint import Ordering, acb, fmpz_mpoly, fmpz_mpoly_ctx
+from flint import Ordering, acb, fmpq_mpoly_ctx, fmpz_mpoly, fmpz_mpoly_ctx
 
 from gks.bounds.checkformula import Rejected, read
 
 MOST_ROOTS = 6
 RING = fmpz_mpoly_ctx.get(("p", "lam", "s", "z", "x", *(f"k{i}" for i in range(MOST_ROOTS))), Ordering.lex)
+RATIONAL = fmpq_mpoly_ctx.get(RING.names(), Ordering.lex)
 GEN = dict(zip(RING.names(), RING.gens(), strict=True))
 ONE, ZERO = RING.constant(1), RING.constant(0)
 
@@ -134,7 +135,10 @@ def factors(polynomial: fmpz_mpoly) -> list[tuple[fmpz_mpoly, int]]:
     """Irreducible factors, leading coefficient positive."""
     if polynomial.is_zero():
         return []
-    return [(-f if f.leading_coefficient() < 0 else f, int(m)) for f, m in polynomial.factor()[1]]
+    # Over the rationals: python-flint sorts integer factors by coefficients that have to fit into a machine word.
+    twins = RATIONAL.from_dict(polynomial.to_dict()).factor()[1]
+    found = [(RING.from_dict({powers: int(c.p) for powers, c in f.to_dict().items()}), int(m)) for f, m in twins]
+    return [(-f if f.leading_coefficient() < 0 else f, m) for f, m in found]
 
 
 def enclose(polynomial: fmpz_mpoly, at: Mapping[str, acb]) -> acb:

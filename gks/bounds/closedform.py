@@ -19,6 +19,7 @@ from flint import acb, ctx, fmpq, fmpz_mpoly, fmpz_poly
 from gks.bounds.boundary import PLANE
 from gks.errors import TooLarge
 from gks.modes.algebraic import GUARD_BITS, START_BITS, Root
+from gks.modes.factoring import factored
 from gks.modes.fibre import coefficients as powers_of
 from gks.modes.fibre import embed, univariate
 from gks.scheme.expression import Expr, add, mul, number, power, sqrt, symbol
@@ -240,8 +241,8 @@ def _without_squares(value: fmpz_mpoly) -> tuple[fmpz_mpoly, fmpz_mpoly]:
     """(s, r) with value = s**2 r and r square-free."""
     if value.is_zero():
         return PLANE.constant(0), PLANE.constant(1)
-    content, factors = value.factor()
-    outside, inside = _integer_square(int(content))
+    content, factors = factored(value)
+    outside, inside = _integer_square(content)
     s, r = PLANE.constant(outside), PLANE.constant(inside)
     for factor, multiplicity in factors:
         s *= factor ** (multiplicity // 2)
@@ -281,5 +282,5 @@ def _factored(value: fmpz_mpoly, name: str) -> Expr:
     """A constant times powers of irreducible polynomials."""
     if value.is_zero():
         return number(0)
-    content, factors = value.factor()
-    return mul([number(int(content)), *(power(_expanded(factor, name), m) for factor, m in factors)])
+    content, factors = factored(value)
+    return mul([number(content), *(power(_expanded(factor, name), m) for factor, m in factors)])

@@ -13,6 +13,7 @@ from gks.bounds.boundary import Boundary, in_parameter
 from gks.modes.algebraic import GUARD_BITS, START_BITS, Root, primitive
 from gks.modes.critical import positive_roots
 from gks.modes.fibre import univariate
+from gks.modes.numerals import text_exact
 from gks.modes.unimodular import by_real_part, rational_ends, simplest_between
 
 Report = Callable[[str], None]
@@ -116,6 +117,6 @@ def shown(value: Fraction | Root) -> str:
     """A number for a message."""
     exact = value if isinstance(value, Fraction) else value.rational
     if exact is not None:
-        return str(exact)
+        return text_exact(exact)
     assert isinstance(value, Root)
     return str(value.ball().real.str(12, radius=False))

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 from gks.modes.printing import latex_name
 from gks.scheme.expression import Expr
+from gks.scheme.numbers import integer_text
 
 
 class _Part(NamedTuple):
@@ -38,7 +39,9 @@ def _standing(part: _Part) -> str:
 class _Latex:
     def number(self, value: Fraction) -> _Part:
         size, sign = abs(value), "-" if value < 0 else ""
-        text = str(size) if size.denominator == 1 else rf"\frac{{{size.numerator}}}{{{size.denominator}}}"
+        text = integer_text(size.numerator)
+        if size.denominator != 1:
+            text = rf"\frac{{{text}}}{{{integer_text(size.denominator)}}}"
         return _Part(sign + text, value=value)
 
     def symbol(self, name: str) -> _Part:
@@ -71,15 +74,14 @@ class _Latex:
             rf"\left({b.below}\right)" if b.is_sum and (len(below) > 1 or constant.denominator > 1) else f"{b.below}"
             for b in below
         ]
-        return _Part(
-            rf"{sign}\frac{{{top}}}{{{' '.join([str(constant.denominator)] * (constant.denominator > 1) + bottom)}}}"
-        )
+        divisor = [integer_text(constant.denominator)] if constant.denominator > 1 else []
+        return _Part(rf"{sign}\frac{{{top}}}{{{' '.join(divisor + bottom)}}}")
 
     def _row(self, number: int, factors: Sequence[_Part], *, alone: bool) -> str:
         """A product; a sum that stands alone above a bar needs no parentheses."""
         if number == 1 and len(factors) == 1 and alone:
             return factors[0].text
-        return " ".join(([str(number)] if number != 1 or not factors else []) + [f.factor for f in factors])
+        return " ".join(([integer_text(number)] if number != 1 or not factors else []) + [f.factor for f in factors])
 
     def power(self, base: _Part, exponent: int) -> _Part:
         size = abs(exponent)

@@ -34,7 +34,10 @@ EXPANSION_DEGREE = 60
 EXPANSION_TERMS = 20_000
 """Terms that one formula may have once it is multiplied out in the symbols: about a second of arithmetic."""
 SIGN_BITS = 1 << 14
-"""A nonzero number whose sign 16384 bits leave open comes from symbols set at one of its zeros."""
+"""A nonzero number whose sign that many bits leave open, and some of its own length, comes from symbols set at one of
+its zeros."""
+SIGN_LENGTHS = 8
+"""How many times the length of its longest coefficient is added to that: a - sqrt(a**2 + 1) takes twice."""
 
 
 def value_ball(value: Fraction | Root, bits: int) -> acb:
@@ -292,14 +295,16 @@ class Coefficients:
         """The sign of a real number, or of a function of the symbols at their values; 0 only where it vanishes."""
         if self.is_zero(value.num):
             return 0
+        parts = [value.num, value.den, *(generator.relation for generator in self.generators)]
+        longest = max(int(abs(c)).bit_length() for part in parts for c in part.coeffs())
         bits = START_BITS
-        while bits <= SIGN_BITS:
+        while bits <= SIGN_BITS + SIGN_LENGTHS * longest:
             with ctx.workprec(bits + GUARD_BITS):
                 number = (self.ball(value.num, bits) / self.ball(value.den, bits)).real
             if number > 0 or number < 0:
                 return 1 if number > 0 else -1
             bits *= 2
-        raise NotAnalysable(f"the sign of {value.num} over {value.den} is not decided within {SIGN_BITS} bits")
+        raise NotAnalysable(f"the sign of a number of the scheme is not decided within {bits // 2} bits")
 
 
 def common_denominator(ratios: Sequence[Ratio], one: fmpz_mpoly) -> fmpz_mpoly:

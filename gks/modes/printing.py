@@ -6,6 +6,8 @@ from collections.abc import Callable, Mapping
 
 from flint import fmpz_mpoly
 
+from gks.scheme.numbers import integer_text
+
 GREEK = frozenset({
         "alpha", "beta", "gamma", "delta", "epsilon", "zeta", "eta", "theta", "iota", "kappa", "lambda", "mu",
         "nu", "xi", "pi", "rho", "sigma", "tau", "upsilon", "phi", "chi", "psi", "omega",
@@ -61,7 +63,7 @@ def _joined(
             if power and k != lead
         ]
         size = abs(value)
-        parts = ([str(size)] if size != 1 or not (factors or rest) else []) + rest + factors
+        parts = ([integer_text(size)] if size != 1 or not (factors or rest) else []) + rest + factors
         body = times.join(parts)
         if not text:
             text = f"-{body}" if value < 0 else body

@@ -77,8 +77,7 @@ class _Symbol:
     def __init__(self, point: Mapping[str, Root], polynomial: fmpz_mpoly) -> None:
         self._point = point
         self._powers = powers_of(polynomial, "x")
-        self._bits = 0
-        self._polynomial = self._derivative = acb_poly([])
+        self._known: dict[int, tuple[acb_poly, acb_poly]] = {}
 
     def at(self, bits: int) -> acb_poly:
         """The polynomial from coordinates to that many bits, at the precision in force."""
@@ -87,11 +86,11 @@ class _Symbol:
 
     def values(self, x: acb) -> tuple[acb, acb]:
         """P and its derivative in x over a ball, the coefficients as sharp as the precision in force."""
-        if self._bits != ctx.prec:
-            self._polynomial = self.at(ctx.prec)
-            self._derivative = self._polynomial.derivative()
-            self._bits = ctx.prec
-        return self._polynomial(x), self._derivative(x)
+        if ctx.prec not in self._known:
+            polynomial = self.at(ctx.prec)
+            self._known[ctx.prec] = polynomial, polynomial.derivative()
+        polynomial, derivative = self._known[ctx.prec]
+        return polynomial(x), derivative(x)
 
     def roots(self) -> list[BallRoot]:
         """All roots; NotTold where they are not simple, or not all finite, as far as balls tell."""

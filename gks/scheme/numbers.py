@@ -48,10 +48,15 @@ def decimal(text: str) -> Fraction:
     return Fraction(mantissa * 10**shift) if shift >= 0 else Fraction(mantissa, 10**-shift)
 
 
+def integer_text(value: int) -> str:
+    """The number itself, as ``str`` has it; Python's own refuses more than 4300 digits, which 1e5000 has."""
+    return f"{Decimal(value):f}"
+
+
 def fraction_text(value: Fraction) -> str:
-    """The number itself, as ``str`` has it; Python's own refuses more than 4300 digits, which 1e-5000 has."""
-    top, bottom = (f"{Decimal(part):f}" for part in (value.numerator, value.denominator))
-    return top if bottom == "1" else f"{top}/{bottom}"
+    """The number itself, as ``str`` has it, however long."""
+    top = integer_text(value.numerator)
+    return top if value.denominator == 1 else f"{top}/{integer_text(value.denominator)}"
 
 
 def decimal_text(value: Fraction, digits: int = 6) -> str:

@@ -59,7 +59,7 @@ class Share:
     def look(self) -> None:
         """Takes account of how far the worker is, ends it if it hangs, starts it again if it has died."""
         assert self.process is not None
-        now = int((self.folder / "done").read_text() or 0)
+        now = int((self.folder / "done").read_text() or self.at)  # empty while it is being written
         if now != self.at:
             self.at, self.since = now, time.monotonic()
         elif time.monotonic() - self.since > HANG_SECONDS:

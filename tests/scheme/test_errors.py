@@ -28,6 +28,7 @@ def test_user_text_stays_on_one_line_and_short() -> None:
     assert one_line("a\nb\x1b[31m\u202e\ud800") == r"a\nb\x1b[31m\u202e\ud800"
     assert quoted("x" * 100, 21) == '"' + "x" * 9 + "..." + "x" * 9 + '"'
     assert "\n" not in str(SchemeError("a\nb", path="c\nd"))
+    assert len(str(SchemeError("9" * 10_000, expected="8" * 10_000))) < 1200
 
 
 def test_errors_survive_pickling() -> None:
