@@ -3,22 +3,24 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
-from typing import Any
+from typing import Any, cast
 
-from flint import acb, arb
+from flint import acb, arb, ctx
 
 from gks.bounds.checkcells import CellCheck, Owner
 from gks.bounds.checkcuts import CutCheck
 from gks.bounds.checkformula import Rejected, read
-from gks.bounds.checknumbers import Real, ball_of, complex_of, exact, positive, real_roots, univariate
+from gks.bounds.checknumbers import BITS, Real, ball_of, complex_of, exact, positive, real_roots, univariate
 from gks.bounds.checkring import polynomial
 
 _ROOT = re.compile(r"(-?)root\((.*), (\d+)\)")
 
 AGREE = 2.0**-200
-"""Relative distance of a formula from the number it stands for, at 256 bits: what nested roots cost is far less."""
+"""Relative distance of a formula from the number it stands for: what rounding nested roots costs is far less."""
+SHARPEST = 1 << 12
+"""Precision in bits beyond which a formula that still cancels is rejected."""
 
 SHARES = (Fraction(1, 3), Fraction(1, 2), Fraction(5, 7))
 """Places in a cell, besides its sample, at which formulas are evaluated."""
@@ -89,7 +91,7 @@ def _exceptions(piece: Mapping[str, Any], cuts: Sequence[CutCheck], owner: Owner
     if len(stated) != len(other):
         raise Rejected("the exceptions on the bound are not those of the cuts")
     for (text, verdict), cut in zip(stated, other, strict=True):
-        if verdict != cut.at_bound or not _agree(_constant(text, str(owner.parameter)), cut.root.ball()):
+        if verdict != cut.at_bound or not _agree(_constant(text, str(owner.parameter)), cut.root.ball):
             raise Rejected(f"{text!r} is no exception on the bound that was verified")
 
 
@@ -122,35 +124,47 @@ def _number(text: str, value: Real | None, otherwise: str, name: str) -> None:
         if text != otherwise:
             raise Rejected(f"{text!r} should be {otherwise}")
         return
-    if not _agree(_constant(text, name), value.ball()):
+    if not _agree(_constant(text, name), value.ball):
         raise Rejected(f"{text!r} is not the number that was verified")
 
 
-def _constant(text: str, name: str) -> arb:
+Number = Callable[[int], arb]
+"""A ball around a number, at a precision in bits that is in force."""
+
+
+def _constant(text: str, name: str) -> Number:
     """A number written as a formula, or as a root of a polynomial in ``name``."""
     match = _ROOT.fullmatch(text)
     if match is None:
-        value: acb = read(text, _Balls(), {})
-        return value.real
+        return lambda _: cast(acb, read(text, _Balls(), {})).real
     poly = univariate(polynomial(match[2], {name: "x"}), "x")
-    root = [r for r in real_roots(poly) if r > 0][int(match[3]) - 1]
-    return -root if match[1] else root
+    sign, place = -1 if match[1] else 1, int(match[3]) - 1
+    return lambda _: sign * [r for r in real_roots(poly) if r > 0][place]
 
 
-def _agree(one: arb, other: arb) -> bool:
-    return bool(abs(one - other) <= AGREE * (abs(one) + abs(other)))
+def _agree(one: Number, other: Number) -> bool:
+    """Whether two numbers are the same for all that is asked of them; a formula that cancels is computed anew."""
+    bits = BITS
+    while bits <= SHARPEST:
+        with ctx.workprec(bits):
+            mine, theirs = one(bits), other(bits)
+            gap, most = abs(mine - theirs), AGREE * (abs(mine) + abs(theirs))
+            if gap <= most or gap > most:
+                return bool(gap <= most)
+        bits *= 2
+    return False
 
 
 # Edges --------------------------------------------------------------------------------------------------------------
 
 
-def _ball(edge: Real | Fraction) -> arb:
-    return edge.ball() if isinstance(edge, Real) else ball_of(edge)
+def _number_of(edge: Real | Fraction) -> Number:
+    return edge.ball if isinstance(edge, Real) else lambda _: ball_of(edge)
 
 
 def _is_edge(piece: Mapping[str, Any], root: Real, owner: Owner) -> bool:
     text = piece["to"]
-    return text != "oo" and _agree(_constant(text, str(owner.parameter)), root.ball())
+    return text != "oo" and _agree(_constant(text, str(owner.parameter)), root.ball)
 
 
 def _edge(piece: Mapping[str, Any], side: str, edge: Real | Fraction | None, owner: Owner, infinite: str = "") -> None:
@@ -159,11 +173,11 @@ def _edge(piece: Mapping[str, Any], side: str, edge: Real | Fraction | None, own
         if text != infinite or value != infinite:
             raise Rejected(f"a piece should reach to {infinite}")
         return
-    if not _agree(_constant(text, str(owner.parameter)), _ball(edge)) and not (text == "0" and edge == 0):
+    if not _agree(_constant(text, str(owner.parameter)), _number_of(edge)) and not (text == "0" and edge == 0):
         raise Rejected(f"{text!r} is not the edge of its piece")
     if isinstance(value, bool) or not isinstance(value, float | str):
         raise Rejected(f"{value!r} is not the number that {text!r} is")
-    true = exact(_ball(edge))
+    true = exact(_number_of(edge)(BITS))
     if isinstance(value, float):
         if float(true) != value:
             raise Rejected(f"{value!r} is not the double nearest to {text!r}")
@@ -221,6 +235,10 @@ def _formula(text: str, branch: tuple[int, int] | None, otherwise: str, p: Fract
         if given not in (curve, -curve) or match[1] or int(match[3]) != place:
             raise Rejected(f"{text!r} is not the curve that was verified")
         return
-    value = read(text, _Balls(), {str(owner.parameter): complex_of(p)}).real
-    if not _agree(value, positive(curve, p)[place - 1]):
+
+    def stated(_: int) -> arb:
+        value: acb = read(text, _Balls(), {str(owner.parameter): complex_of(p)})
+        return value.real
+
+    if not _agree(stated, lambda _: positive(curve, p)[place - 1]):
         raise Rejected(f"{text!r} is not the bound at {owner.parameter} = {p}")

@@ -32,7 +32,8 @@ SHARES = (Fraction(0), Fraction(1, 3), Fraction(2, 5))
 """How far below a point others are tried: where two spatial roots are equal, one meets that at few lam."""
 
 FAR_BITS = (40, 120)
-"""Exponents of two at which Delta is looked at far out: between them it falls by 2**-80 at least if Delta(oo) = 0."""
+"""Exponents of two at which Delta is looked at far out, beyond the ratios of the coefficients: between them it falls by
+2**-80 at least if Delta(oo) = 0."""
 
 Ends = Callable[[int], Mapping[str, acb]]
 """A point as balls at a precision in bits."""
@@ -109,7 +110,8 @@ class Judge:
         if not self.problem.explicit:
             return self._inner_at_infinity(at)
         sizes = []
-        for bits in FAR_BITS:
+        beyond = self._ratio_bits(at)
+        for bits in (beyond + far for far in FAR_BITS):
             ball = {**at, self.problem.variable: acb(2) ** bits}
             roots = []
             for family in self.problem.families:
@@ -122,7 +124,18 @@ class Judge:
                 max((degree(c, self.problem.variable) for *_, c in row), default=0) for row in self.problem.rows
             )
             sizes.append(abs(self._delta(roots, ball) / acb(2) ** (bits * scale)))
-        return bool(sizes[1] > sizes[0] * 2.0 ** -FAR_BITS[0])
+        least = sizes[0] * 2.0 ** -FAR_BITS[0]
+        if not sizes[1] > least and not sizes[1] <= least:
+            raise Open
+        return bool(sizes[1] > least)
+
+    def _ratio_bits(self, at: Mapping[str, acb]) -> int:
+        """log2 of the largest ratio of two coefficients, of symbols and closure, roughly."""
+        polynomials = [f.whole for f in self.problem.families] + [c for row in self.problem.rows for *_, c in row]
+        parts = [c for f in polynomials for part in parts_of(f, self.problem.variable) for c in parts_of(part, "x")]
+        sizes = [c.abs_lower().man_exp() for c in (enclose(part, at) for part in parts) if not c.contains(0)]
+        exponents = [int(exponent) + int(mantissa).bit_length() for mantissa, exponent in sizes]
+        return max(exponents) - min(exponents) if exponents else 0
 
     def _inner_at_infinity(self, at: Mapping[str, acb]) -> bool:
         """Whether no s tends to infinity here, or the z it is mapped to then are inside the circle; Open otherwise."""

@@ -7,6 +7,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+import sympy
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -161,6 +162,17 @@ def test_without_a_parameter_the_stable_set_in_lam() -> None:
 def test_setting_the_parameter_leaves_the_stable_set_there() -> None:
     (piece,) = theorem(find("traditional-1"), alpha="31/9").pieces
     assert (piece.bound.text, piece.at_bound) == ("9/10", "neutral")
+
+
+@pytest.mark.parametrize(
+    ("name", "alpha", "limit"), [("traditional-2", "1e20", Fraction(20, 27)), ("average-1", "1e300", Fraction(16))]
+)
+def test_ratios_far_beyond_double_precision_are_proved_as_well(name: str, alpha: str, limit: Fraction) -> None:
+    """lam_max alpha -> 20/27 and 16; nested roots cancel to three times as many digits as alpha has."""
+    found = theorem(find(name), alpha=alpha)
+    assert found.proved, found.reason
+    product = sympy.sympify(found.pieces[0].bound.text) * sympy.Rational(alpha)
+    assert abs(sympy.N(product, 30, maxn=2000) - sympy.Rational(str(limit))) < 1e-15
 
 
 SCHEMES = int(os.environ.get("GKS_SCHEMES", "200"))
