@@ -236,7 +236,9 @@ leave UNEXPLAINED of a window, the accuracy asked of a march, it is no sum of so
 
 
 def pencil(trace: Trace) -> Growth | None:
-    """The modulus of the dominant term in windows of the trace's second half; None where the windows are too short."""
+    """The modulus of the dominant term in windows of the trace's second half; None where the windows are too short, or
+    a jump in one leaves the rest of it below rounding.
+    """
     import numpy
 
     half = len(trace) // 2
@@ -244,7 +246,10 @@ def pencil(trace: Trace) -> Growth | None:
     if length < 12:
         return None
     starts = numpy.linspace(len(trace) - half, len(trace) - length, WINDOWS).astype(int)
-    found = [dominant_term(trace.part(int(start), int(start) + length)) for start in starts]
+    windows = [trace.part(int(start), int(start) + length) for start in starts]
+    if any(_off_the_mean(window.log_sizes()) > -math.log(NOISE) for window in windows):
+        return None
+    found = [dominant_term(window) for window in windows]
     if max(unexplained for _, unexplained in found) > UNEXPLAINED:
         return None
     how = COMPLETE if max(unexplained for _, unexplained in found) < ALL else "pencil"
@@ -254,6 +259,15 @@ def pencil(trace: Trace) -> Growth | None:
     # An error that falls as 1/n is, in the last window, as large as it has fallen since the first, half as far along.
     drift = 2 * abs(moduli[-1] - moduli[0])
     return Growth(rate, quantile(WINDOWS - 1) * scatter / math.sqrt(WINDOWS) + drift + rate * ROUNDING, how)
+
+
+def _off_the_mean(logs: Array) -> float:
+    """How far logarithmic sizes lie from the straight line between their ends; infinite where one is."""
+    import numpy
+
+    if not numpy.isfinite(logs).all():
+        return math.inf
+    return float(numpy.abs(logs - numpy.linspace(logs[0], logs[-1], len(logs))).max())
 
 
 def dominant_term(trace: Trace) -> tuple[float, float]:

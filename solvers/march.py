@@ -159,6 +159,22 @@ def march(
     Raises NotAnalysable where nothing can be marched: the next level is not determined, coefficients or growth are
     beyond doubles, or far ends out of reach.
     """
+    import numpy
+
+    try:
+        with numpy.errstate(over="raise", divide="raise", invalid="raise"):
+            return _marched(scheme, values, cells, steps, seed)
+    except FloatingPointError as cause:
+        raise NotAnalysable(
+            message="a number on the way is beyond double precision",
+            expected="a march computes in doubles",
+            mend="march at milder values",
+        ) from cause
+
+
+def _marched(
+    scheme: Scheme, values: Mapping[str, Fraction], cells: int | None, steps: int | None, seed: int
+) -> MarchResult:
     from gks.modes import analyse
 
     began = time.perf_counter()
@@ -261,6 +277,8 @@ def _observation(
         found = mode_march(problem, z, seed)
     except (OutOfReach, NotAnalysable):
         return (unknown,), "the mode reaches too far, or decays too fast, to be marched by itself"
+    except FloatingPointError:
+        return (unknown,), "the equations of the mode are beyond double precision"
     if found is not None:
         return (History(OWN, tuple(map(float, found.trace.log_sizes())), found.growth), random), ""
     if interior:

@@ -17,7 +17,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from fractions import Fraction
 
-from flint import acb, arb, fmpq
+from flint import acb, arb
 
 from gks.bounds.cfl import Limit
 from gks.bounds.located import Located, Span, nothing_said
@@ -27,9 +27,10 @@ from gks.modes.algebraic import Root
 from gks.modes.cauchy_set import CauchySet
 from gks.modes.kreiss import NormalModeProblem
 from gks.modes.numerals import exact_fraction
+from gks.modes.reversal import reverses_time
 from gks.modes.unimodular import rational_ends
 from gks.modes.verdict import ModeKind
-from gks.modes.wide import VanishingDeterminant, WideModes, wide_modes
+from gks.modes.wide import VanishingDeterminant, wide_modes
 from gks.scheme.integrators import Integrator, integrator
 
 NEXT_TO_LIMIT = (34, 26, 18)
@@ -51,19 +52,18 @@ def ray_set(problem_at: ProblemAt, interior: Sequence[CauchySet]) -> Located:
     sample = problem_at(inside)
     method = sample.resolvent.integrator
     assert method is not None and method.kind != "exact"
-    half_plane = _counted(_semi_discrete(sample))
+    half_plane = _zeros(_semi_discrete(sample))
     if isinstance(half_plane, str):
         return nothing_said(half_plane)
     if limit is None:
-        return _along(method, _zeros(half_plane, inside), half_plane, None, 0.0)
+        return _along(method, half_plane, None, 0.0)
     why = ""
     for k in NEXT_TO_LIMIT:
-        top = least * (1 - Fraction(1, 2**k))
-        beyond = _counted(problem_at(top))
+        beyond = _zeros(problem_at(least * (1 - Fraction(1, 2**k))))
         if not isinstance(beyond, str):
-            zeros = _zeros(half_plane, inside) + _zeros(beyond, top)
-            both = WideModes(half_plane.modes + beyond.modes)
-            return _along(method, zeros, both, limit, 2.0 ** (1 - k))
+            # A zero on the axis was the only one in its pocket: what meets its ball is itself, less sharply.
+            others = [s for s in beyond if not any(s.overlaps(t) for t in half_plane)]
+            return _along(method, half_plane + others, limit, 2.0 ** (1 - k))
         why = beyond
     return nothing_said(why)
 
@@ -81,8 +81,12 @@ def _semi_discrete(problem: NormalModeProblem) -> NormalModeProblem:
     return replace(problem, resolvent=resolvent, time_map=None)
 
 
-def _counted(problem: NormalModeProblem) -> WideModes | str:
-    """The modes, all of them proved; or why they are not."""
+def _zeros(problem: NormalModeProblem) -> list[acb] | str:
+    """s of every mode, all of them proved; or why they are not.
+
+    Where abs(z) = 1 belongs to Re s = 0 the real part of such a mode is exactly 0: what becomes of it is a question of
+    the ray, which may leave the circle at once.
+    """
     try:
         found = wide_modes(problem)
     except VanishingDeterminant:
@@ -91,26 +95,21 @@ def _counted(problem: NormalModeProblem) -> WideModes | str:
         return found.doubts[0]
     if not found.certified:
         return "the modes were found and not proved"
-    return found
-
-
-def _zeros(found: WideModes, lam: Fraction) -> list[acb]:
-    """s of every growing mode; ``lam`` is the one that lam*s was counted at."""
     zeros = []
     for mode, place in zip(found.modes, found.places, strict=True):
-        if mode.kind is ModeKind.GROWING and not isinstance(place, Candidate) and place.mu is not None:
-            zeros.append(place.mu / acb(fmpq(lam.numerator, lam.denominator)))
+        if mode.kind is ModeKind.DECAYING:
+            continue
+        s = place.sigma.ball(RAY_BITS) if isinstance(place, Candidate) else place.sigma(problem)
+        if s is None:
+            return "a multiple mode was enclosed and not resolved"
+        on_axis = mode.modulus == 1 and reverses_time(problem.resolvent.integrator)
+        zeros.append(acb(0, s.imag) if on_axis else s)
     return zeros
 
 
-def _along(method: Integrator, zeros: Sequence[acb], found: WideModes, limit: Root | None, gap: float) -> Located:
+def _along(method: Integrator, zeros: Sequence[acb], limit: Root | None, gap: float) -> Located:
     """The intersection of what the zeros allow with the interior's interval, of which ``gap`` was not looked at."""
     error = 0.0
-    growing = sum(mode.kind is ModeKind.GROWING for mode in found.modes)
-    if growing > len(zeros):
-        return nothing_said("a multiple mode was enclosed and not resolved")
-    if any(mode.kind in (ModeKind.EIGENVALUE, ModeKind.GENERALIZED) for mode in found.modes):
-        return Located((), "closure", 0.0, True)  # z = 1, which every lam maps s = 0 to
     spans: list[Span] = [(Fraction(0), None if limit is None else _middle(limit.ball().real))]
     for s in zeros:
         # Balls that meet the real axis hold a zero and its conjugate, of which there is only one.

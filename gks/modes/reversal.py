@@ -24,7 +24,7 @@ from gks.scheme.integrators import Integrator
 def reversible(problem: NormalModeProblem) -> bool:
     """Whether the problem is its own time reversal; False also where that is not looked into."""
     method = problem.resolvent.integrator if problem.variable == "s" else None
-    if problem.coupled or problem.coefficients.generators or (problem.variable == "s" and not _reverses(method)):
+    if problem.coupled or problem.coefficients.generators or (problem.variable == "s" and not reverses_time(method)):
         return False
     images = [_image(problem, k) for k in range(len(problem.families))]
     if any(image is None for image in images):
@@ -39,8 +39,8 @@ def reversible(problem: NormalModeProblem) -> bool:
     return False
 
 
-def _reverses(method: Integrator | None) -> bool:
-    """Whether lam*s(1/z) = -lam*s(z) for every root z of the integrator."""
+def reverses_time(method: Integrator | None) -> bool:
+    """Whether lam*s(1/z) = -lam*s(z) for every root z of the integrator: then Re s = 0 wherever abs(z) = 1."""
     if method is None or method.kind == "runge-kutta":
         return False
     if method.kind == "exact":

@@ -41,6 +41,15 @@ def test_a_complex_pair_of_any_size_and_angle(log_rate: float, angle: float, pha
     assert contains(found, math.exp(abs(log_rate)))
 
 
+@pytest.mark.parametrize("jump", [100, 800, 1600, 3200])
+@pytest.mark.parametrize("step", [1, 40])
+def test_a_jump_of_hundreds_of_orders_leaves_the_rate_to_what_comes_after(jump: int, step: int) -> None:
+    """A ghost value with a weight of 1e300 makes all that was there before negligible at once; then 1.1 a step."""
+    n = np.arange(97)
+    found = observe(Trace(1.1 ** n[:, None], np.where(n >= step, jump, 0)))
+    assert contains(found, 1.1)
+
+
 @given(st.floats(0.6, 1.4), st.floats(0.1, 0.9), st.integers(0, 2**31))
 @examples(25)
 def test_a_mode_beside_a_transient(rate: float, ratio: float, seed: int) -> None:

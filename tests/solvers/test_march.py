@@ -18,6 +18,7 @@ from hypothesis import strategies as st
 from gks.catalogue import find
 from gks.errors import NotAnalysable, ParameterError
 from gks.scheme.model import Scheme
+from gks.scheme.schemefile import parse_scheme
 from gks.solvers.march import forced_response, march, march_growth, mode_march
 from gks.solvers.problem import build
 from tests.examples import examples
@@ -227,6 +228,14 @@ class TestSizes:
     def test_no_cells_or_steps(self, sizes: dict[str, int]) -> None:
         with pytest.raises(ParameterError, match="at least one"):
             march_growth(traditional(), traditional().values({}), **sizes)
+
+    def test_a_weight_of_1e300_is_marched_as_far_as_doubles_go(self) -> None:
+        """The growth is 1e100 a step; where squares of the equations overflow, the march says so or leaves it open."""
+        text = find("beam-warming-inverse-3-1").text
+        scheme = parse_scheme(text.replace("5/8*u[2]", "5/8e-300*u[2]"), "heavy")
+        result = march(scheme, scheme.values({}))
+        assert result.agrees
+        assert result.observed > 1e90
 
     def test_growth_beyond_doubles_in_one_step_is_refused(self) -> None:
         scheme = half_line("u[i, n+1] = u[i] + 10**200*u[i-1]", '"u[-1] = 10**200*u[0]"')
