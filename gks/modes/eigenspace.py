@@ -15,7 +15,7 @@ entries are enclosed.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import comb
 from typing import Protocol
 
@@ -342,3 +342,17 @@ def enclosed_space(problem: NormalModeProblem, found: Found) -> Eigenspace | Non
                 parts.append(Part(domain, Enclosed(x), block.zeros if key[1] < 0 else 1, (), key[1] < 0))
             columns.append(Column(known[key], k, j))
     return Eigenspace(problem, point, tuple(parts), tuple(columns), 1, None)
+
+
+def direct_sum(problem: NormalModeProblem, spaces: Sequence[Eigenspace]) -> Eigenspace:
+    """The modes of independent parts of a problem at one z, as those of the whole."""
+    fields = [block.field for block in problem.blocks]
+    parts: list[Part] = []
+    columns: list[Column] = []
+    for space in spaces:
+        places = [next(k for k, each in enumerate(fields) if each is b.field) for b in space.problem.blocks]
+        columns += [replace(c, part=c.part + len(parts), field=places[c.field]) for c in space.columns]
+        parts += space.parts
+    columns.sort(key=lambda column: column.field)  # in the order of the blocks, as the matrix has them
+    dimension = sum(space.dimension for space in spaces)
+    return Eigenspace(problem, spaces[0].point, tuple(parts), tuple(columns), dimension, None)

@@ -5,11 +5,12 @@ from __future__ import annotations
 from gks.errors import NotAnalysable
 from gks.modes.admissible import Candidate
 from gks.modes.analysis import judged
-from gks.modes.eigenspace import Eigenspace, enclosed_space, exact_space
+from gks.modes.decoupling import decoupled
+from gks.modes.eigenspace import Eigenspace, direct_sum, enclosed_space, exact_space
 from gks.modes.kreiss import NormalModeProblem, spatial_problem
 from gks.modes.undecided import Undecided
 from gks.modes.verdict import Mode, ModesResult
-from gks.modes.wide import wide_modes
+from gks.modes.wide import modes_of_part
 
 
 def space_of(result: ModesResult, mode: Mode) -> tuple[Eigenspace, bool]:
@@ -30,16 +31,22 @@ def _exact(problem: NormalModeProblem, mode: Mode) -> tuple[Eigenspace, bool]:
 
 
 def _counted(problem: NormalModeProblem, mode: Mode) -> tuple[Eigenspace, bool]:
-    wide = wide_modes(problem, inner=True)
-    place = next((place for each, place in zip(wide.modes, wide.places, strict=True) if _same(each, mode)), None)
-    if place is None:
+    spaces: list[Eigenspace] = []
+    proved = True
+    for part in decoupled(problem):
+        wide = modes_of_part(part, inner=True)
+        place = next((place for each, place in zip(wide.modes, wide.places, strict=True) if _same(each, mode)), None)
+        if isinstance(place, Candidate):
+            return exact_space(problem, place), True
+        if place is not None:
+            space = enclosed_space(part, place)
+            if space is None:
+                raise NotAnalysable("this mode is one of several that are not told apart, or its spatial roots are not")
+            spaces.append(space)
+            proved &= place.proved
+    if not spaces:
         raise NotAnalysable("the mode is none of this scheme at these values")
-    if isinstance(place, Candidate):
-        return exact_space(problem, place), True
-    space = enclosed_space(problem, place)
-    if space is None:
-        raise NotAnalysable("the mode is one of several that are not told apart, or its spatial factors are not")
-    return space, place.proved
+    return direct_sum(problem, spaces), proved
 
 
 def _same(one: Mode, other: Mode) -> bool:

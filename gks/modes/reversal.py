@@ -1,17 +1,18 @@
 """Whether a problem looks the same with time run backwards, and what follows for its modes on the unit circle.
 
-Under a nondissipative integrator z -> 1/z takes lam*s to -lam*s. Where that, with the characteristic fields of each
-half-line exchanged (and their signs changed, at most), takes every symbol and the closure to themselves, the spatial
-roots inside the circle go to spatial roots inside the circle: wherever none of them is on it, Delta(1/z) is Delta(z) up
-to a constant. Its coefficients are real, so the zeros close to the unit circle come in pairs z, 1/conj(z), and one that
-has no other beside it lies on the circle exactly. Waves of u_t = s_x, s_t = u_x below a wall or an interface that
-couples u with u and s with s are of this kind: s changes its sign.
+Under a nondissipative integrator z -> 1/z takes lam*s to -lam*s. Where that, with the characteristic fields exchanged
+(and their signs changed, at most), takes every symbol and the closure to themselves, the spatial roots inside the
+circle go to spatial roots inside the circle: wherever none of them is on it, Delta(1/z) is Delta(z) up to a constant.
+Its coefficients are real, so the zeros close to the unit circle come in pairs z, 1/conj(z), and one that has no other
+beside it lies on the circle exactly. Waves of u_t = s_x, s_t = u_x below a wall or an interface that couples u with u
+and s with s are of this kind: s changes its sign. So is a wave of u_t + u_x = 0 through an interface that looks the
+same from either side: the half-lines are exchanged.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from itertools import permutations, product
+from itertools import islice, product
 
 from flint import fmpq, fmpq_poly, fmpz_mat, fmpz_mpoly
 
@@ -72,18 +73,28 @@ def _image(problem: NormalModeProblem, family: int) -> int | None:
     return None
 
 
+MOST_EXCHANGES = 200
+"""Ways to exchange fields that are looked at: all of a few fields; of many equal ones the first."""
+
+
 def _exchanges(problem: NormalModeProblem, images: Sequence[int | None]) -> Iterator[list[int]]:
-    """The ways to take each block to one of the same half-line with the family's image, as places."""
+    """The ways to take each block to one with the family's image, as places; of the same half-line first."""
     blocks = problem.blocks
-    domains = [[k for k, b in enumerate(blocks) if b.field.domain == d.name] for d in problem.scheme.domains]
-    for choice in product(*(permutations(mine) for mine in domains)):
-        order = [0] * len(blocks)
-        for mine, target in zip(domains, choice, strict=True):
-            for k, to in zip(mine, target, strict=True):
-                order[k] = to
-        if all(blocks[to].family == images[blocks[k].family] and blocks[to].zeros == blocks[k].zeros
-               for k, to in enumerate(order)):  # fmt: skip
+
+    def completed(order: list[int]) -> Iterator[list[int]]:
+        if len(order) == len(blocks):
             yield order
+            return
+        block = blocks[len(order)]
+        fitting = [
+            to
+            for to, other in enumerate(blocks)
+            if other.family == images[block.family] and other.zeros == block.zeros and to not in order
+        ]
+        for to in sorted(fitting, key=lambda to: blocks[to].field.domain != block.field.domain):
+            yield from completed([*order, to])
+
+    return islice(completed([]), MOST_EXCHANGES)
 
 
 def _reversed_row(problem: NormalModeProblem, row: Sequence[Term]) -> list[Term]:

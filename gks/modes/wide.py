@@ -22,6 +22,7 @@ from gks.modes.admissible import Candidate
 from gks.modes.algebraic import GUARD_BITS, Root
 from gks.modes.candidates import conjugate
 from gks.modes.chart import Chart, chart_of
+from gks.modes.decoupling import decoupled
 from gks.modes.exactpoint import ExactPoint, exact_point, rational_candidate
 from gks.modes.glancing import GlancingPocket, GlancingPoints
 from gks.modes.inner import just_inside, outside
@@ -58,6 +59,19 @@ class WideModes:
     certified: bool = True
     doubts: list[str] = field(default_factory=list)
 
+    def join(self, other: WideModes) -> None:
+        """Those of an independent part as well; one that no digit tells from a known one is counted with that."""
+        known = range(len(self.modes))
+        for mode, place in zip(other.modes, other.places, strict=True):
+            twin = next((k for k in known if _same(self.modes[k], mode)), None)
+            if twin is not None:
+                self.modes[twin] = _both(self.modes[twin], mode)
+            else:
+                self.modes.append(mode)
+                self.places.append(place)
+        self.doubts += other.doubts
+        self.certified &= other.certified
+
 
 class VanishingDeterminant(ArithmeticError):
     """Delta is zero to rounding all along the circle."""
@@ -68,6 +82,14 @@ def wide_modes(problem: NormalModeProblem, *, inner: bool = False) -> WideModes:
 
     With ``inner`` those just inside the circle are looked for as well, which has no part in the proof.
     """
+    first, *others = (modes_of_part(part, inner=inner) for part in decoupled(problem))
+    for found in others:
+        first.join(found)
+    return first
+
+
+def modes_of_part(problem: NormalModeProblem, *, inner: bool) -> WideModes:
+    """The same of a problem that does not fall apart, or as if it did not."""
     tables, chart = disc_tables(problem), chart_of(problem)
     circle = circled(tables, chart, GlancingPoints(problem, tables, chart))
     if circle.walk.relative.max(initial=0.0) < DEGENERATE:
@@ -270,6 +292,21 @@ def _mirrored(found: Found) -> Found:
         roots = tuple(tuple(x.conjugate() for x in family) for family in found.roots)
         mu = None if found.mu is None else found.mu.conjugate()
         return replace(found, w=found.w.conjugate(), z=found.z.conjugate(), roots=roots, mu=mu)
+
+
+def _same(one: Mode, other: Mode) -> bool:
+    apart = max(abs(a - b) for a, b in zip(one.z, other.z, strict=True))
+    return one.kind is other.kind and apart <= one.radius + other.radius
+
+
+def _both(one: Mode, other: Mode) -> Mode:
+    """Two modes as one of a disc that holds both, should they differ in digits that are not known."""
+    return replace(
+        one,
+        multiplicity=one.multiplicity + other.multiplicity,
+        radius=2 * one.radius + 3 * other.radius,
+        kappa={name: tuple(dict.fromkeys(one.kappa[name] + other.kappa[name])) for name in one.kappa},
+    )
 
 
 # Output ---------------------------------------------------------------------------------------------------------------

@@ -50,9 +50,14 @@ class Worker:
         warm_up()
         confine(slack)
 
+    @property
+    def left(self) -> int:
+        """Cases that are still to be carried out."""
+        return self._count - self._done
+
     def take(self, data: bytes) -> None:
         """One case, given as a file; none beyond the share: libFuzzer's own count has a few of its own."""
-        if self._done == self._count:
+        if not self.left:
             return
         (self._folder / "current").write_bytes(data)
         (self._folder / "done").write_text(str(self._done))
@@ -60,7 +65,7 @@ class Worker:
         self._done += 1
         if faults:
             keep(self._folder / "found", data, faults[0])
-        if self._done == self._count:
+        if not self.left:
             (self._folder / "done").write_text(str(self._done))
             (self._folder / "current").unlink()
 
@@ -78,7 +83,7 @@ def plain(folder: Path, count: int, seed: int) -> None:
     random = Random(seed)
     pool = seeds(random)
     worker = Worker(folder, count)
-    for _ in range(count):
+    while worker.left:
         try:
             case = mutated(random.choice(pool), random)
         except MemoryError:  # an edit that repeats a line of a megabyte: the program's limit holds for the worker too

@@ -32,6 +32,7 @@ from tests.oracle.scheme_texts import (
     CRANK_NICOLSON,
     LAX_WENDROFF,
     LEAPFROG,
+    coupled_by_penalties,
     half_line,
     interface,
     traditional,
@@ -324,55 +325,10 @@ def test_the_route_is_taken_where_elimination_is_too_wide() -> None:
 # Systems --------------------------------------------------------------------------------------------------------------
 
 
-STRAND = (
-    {0: "-24/17", 1: "59/34", 2: "-4/17", 3: "-3/34"},
-    {0: "-1/2", 2: "1/2"},
-    {0: "4/43", 1: "-59/86", 3: "59/86", 4: "-4/43"},
-    {0: "3/98", 2: "-59/98", 4: "32/49", 5: "-4/49"},
-)
-"""Boundary rows of the operator of order 4 inside and 2 at the boundary (Strand, J. Comput. Phys. 110 (1994) 47-67);
-the first entry of its norm is 17/48."""
-
-
-def coupled_by_penalties(time: str) -> Scheme:
-    """Two acoustic half-lines, summation by parts on both, tied by half the jump as a penalty: energy is conserved."""
-    equations = []
-    for domain, other, sign, a, b in (("L", "R", -1, "1", "1"), ("R", "L", 1, "1/alpha", "alpha")):
-        for u, w, speed in (("u", "s", a), ("s", "u", b)):
-            for k, row in enumerate(STRAND):
-                slope = " + ".join(f"({sign}*({c}))*{domain}.{w}[{sign * m}]" for m, c in row.items())
-                jump = f" - ({sign})*24/17*({other}.{w}[0] - {domain}.{w}[0])" if k == 0 else ""
-                equations.append(f'"dt({domain}.{u}[{sign * k}]) = ({speed})*({slope}{jump})"')
-    return parse_scheme(
-        f"""
-title = "SBP-SAT"
-[parameters]
-lam = {{ role = "cfl", default = 1 }}
-alpha = 2
-[interior]
-space = "central4"
-time = "{time}"
-[domains.L]
-side = "left"
-unknowns = ["u", "s"]
-first = 4
-flux = [["0", "-1"], ["-1", "0"]]
-[domains.R]
-side = "right"
-unknowns = ["u", "s"]
-first = 4
-flux = [["0", "-1/alpha"], ["-alpha", "0"]]
-[closure]
-equations = [{", ".join(equations)}]
-""",
-        "SBP-SAT",
-    )
-
-
 @pytest.mark.parametrize("lam, stable", [("1/2", True), ("1", False)])
 def test_summation_by_parts_with_penalties(lam: str, stable: bool) -> None:
     """Sixteen equations. At lam = 1 the boundary rows' own eigenvalues are too large for three stages."""
-    scheme = coupled_by_penalties("ssprk3")
+    scheme = coupled_by_penalties("ssprk3", "2")
     values = scheme.values({"lam": lam})
     result = analyse(scheme, values)
     assert (result.tier, result.certified) == ("certified", True)
