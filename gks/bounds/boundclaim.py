@@ -18,6 +18,7 @@ from gks.modes.unimodular import simplest_between
 from gks.modes.verdict import Verdict
 from gks.scheme.expression import Expr
 from gks.scheme.model import Claim, Scheme
+from gks.scheme.numbers import fraction_text
 
 SHOWN = 5
 """Parameter values at which a failing claim's numbers are listed."""
@@ -84,7 +85,7 @@ def _points(scheme: Scheme, claim: Claim, formula: Expr, further: Sequence[Value
 
 
 def _range(low: Fraction | None, high: Fraction | None) -> list[str]:
-    return ["-oo" if low is None else str(low), "oo" if high is None else str(high)]
+    return ["-oo" if low is None else fraction_text(low), "oo" if high is None else fraction_text(high)]
 
 
 def _held(scheme: Scheme, claim: Claim, formula: Expr, values: Values) -> _Held:
@@ -125,7 +126,7 @@ def _derived(scheme: Scheme, point: _Held) -> str:
 def _row(scheme: Scheme, formula: Expr, point: _Held, free: Sequence[str]) -> dict[str, object]:
     claimed = _claimed(formula, point.values)
     return {
-        **{name: str(point.values[name]) for name in free},
+        **{name: fraction_text(point.values[name]) for name in free},
         "claimed": None if claimed is None else text_real(claimed),
         "derived": _text(point.lam_max),
     }

@@ -211,7 +211,8 @@ class _Decomposer:
             poly = curve_at(curve, p)
             if not poly % mine.poly:
                 return Branch(index, 1 + ascending_roots(poly).index(mine))
-        raise NotProved(f"an end of the stable set at {self.parameter} = {p} lies on none of the boundary curves")
+        place = f"{self.parameter} = {shown(p)}"
+        raise NotProved(f"an end of the stable set at {place} lies on none of the boundary curves")
 
     def _at_bound(
         self, sample: Fraction, p: Fraction | Root, bound: Root | None, *, ends_stability: bool

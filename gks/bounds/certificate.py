@@ -34,7 +34,7 @@ def certificate(
     return _signed(
         {
             **_head(theorem, fixed),
-            "domain": ["-oo" if low is None else str(low), "oo" if high is None else str(high)],
+            "domain": ["-oo" if low is None else fraction_text(low), "oo" if high is None else fraction_text(high)],
             "curves": [_text(curve, name, lam) for curve in found.boundary.curves],
             "walls": [_text(embed(wall, PLANE, "p"), name, lam) for wall in found.boundary.walls],
             "cells": [_cell(cell) for cell in found.cells],
@@ -79,7 +79,7 @@ def _text(curve: fmpz_mpoly, parameter: str, lam: str) -> str:
 
 def _cell(cell: Cell) -> dict[str, object]:
     return {
-        "sample": str(cell.sample),
+        "sample": fraction_text(cell.sample),
         "stable_set": [[_end(span.low), _end(span.high)] for span in cell.spans],
         "at_bound": None if cell.at_bound is None else cell.at_bound.value,
     }

@@ -16,7 +16,7 @@ from gks.modes.kreiss import normal_mode_problem
 from gks.modes.numerals import exact_fraction, json_complex, json_real, text_complex, text_real
 from gks.modes.verdict import Mode, ModeKind, ModesResult
 from gks.scheme.model import Scheme
-from gks.scheme.numbers import fraction_text
+from gks.scheme.numbers import fraction_text, integer_text
 
 Values = Mapping[str, Fraction]
 
@@ -136,7 +136,8 @@ def polynomial_in_z(root: Root) -> str:
         value = coefficients[power]
         if value:
             factor = "" if power == 0 else "z" if power == 1 else f"z**{power}"
-            size = "*".join(part for part in (str(abs(value)) if abs(value) != 1 or not factor else "", factor) if part)
+            number = integer_text(abs(value)) if abs(value) != 1 or not factor else ""
+            size = "*".join(part for part in (number, factor) if part)
             terms.append(("- " if value < 0 else "+ ") + size)
     text = " ".join(terms)
     return text.removeprefix("+ ") if text.startswith("+") else "-" + text.removeprefix("- ")

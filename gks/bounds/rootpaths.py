@@ -14,6 +14,7 @@ from gks.errors import counted
 from gks.modes.numerals import json_real, text_exact, text_real
 from gks.modes.verdict import ModeKind
 from gks.scheme.model import Scheme
+from gks.scheme.numbers import fraction_text
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +58,7 @@ class RootMap:
         return {
             "schema": "gks.roots/1",
             "sweep": self.sweep.name,
-            "parameters": {k: str(v) for k, v in self.parameters.items() if k != self.sweep.name},
+            "parameters": {k: fraction_text(v) for k, v in self.parameters.items() if k != self.sweep.name},
             "values": [_number(value) for value in self.sweep.values],
             "tracks": [
                 {

@@ -15,6 +15,7 @@ from gks.errors import InputError
 from gks.modes.unimodular import simplest_between
 from gks.scheme.expression import Expr
 from gks.scheme.model import Claim, Parameter, Scheme
+from gks.scheme.numbers import fraction_text
 
 SPREAD = 16
 """Values of each open parameter, whatever its range."""
@@ -70,8 +71,8 @@ def inside(parameter: Parameter, value: Fraction) -> bool:
 
 def interval_text(parameter: Parameter) -> str:
     """The open range as text, (0, oo)."""
-    low = "-oo" if parameter.low is None else str(parameter.low)
-    return f"({low}, {'oo' if parameter.high is None else parameter.high})"
+    low = "-oo" if parameter.low is None else fraction_text(parameter.low)
+    return f"({low}, {'oo' if parameter.high is None else fraction_text(parameter.high)})"
 
 
 def _spread(parameter: Parameter) -> list[Fraction]:

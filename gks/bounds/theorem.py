@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 from gks.modes.printing import latex_name
 from gks.scheme.model import Scheme
+from gks.scheme.numbers import fraction_text
 
 if TYPE_CHECKING:
     import numpy as np
@@ -151,7 +152,7 @@ class Theorem:
         if not self.proved:
             return f"Not proved: {self.reason}."
         lam = self.scheme.cfl
-        at = ", ".join(f"{name} = {value}" for name, value in self.fixed.items())
+        at = ", ".join(f"{name} = {fraction_text(value)}" for name, value in self.fixed.items())
         lines = [f"{self.scheme.title}{f', {at}' if at else ''}: stable exactly for"]
         shown = _joined(self.pieces)
         name = self.parameter

@@ -19,6 +19,7 @@ from gks.modes.resolvent import Resolvent
 from gks.scheme.integrators import Integrator
 from gks.scheme.limits import MAX_DIGITS
 from gks.scheme.model import Scheme
+from gks.scheme.numbers import integer_text
 
 SAMPLE = Fraction(1)
 """Stands for a symbol without a default wherever a sign or a branch has to be chosen."""
@@ -252,7 +253,7 @@ def _z(power: int, sign: str) -> str:
 def _sum(terms: Sequence[tuple[int, list[str]]], times: str) -> str:
     text = ""
     for value, parts in terms:
-        size = [str(abs(value))] if abs(value) != 1 or not parts else []
+        size = [integer_text(abs(value))] if abs(value) != 1 or not parts else []
         body = times.join(size + parts)
         text = (f"-{body}" if value < 0 else body) if not text else f"{text} {'-' if value < 0 else '+'} {body}"
     return text

@@ -20,6 +20,7 @@ colliding roots (Gustafsson, Kreiss & Sundström, Math. Comp. 26 (1972), Lemma 1
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -142,8 +143,26 @@ def normal_mode_problem(
 def spatial_problem(
     scheme: Scheme, values: Mapping[str, Fraction | Root], symbols: Sequence[str] = ()
 ) -> NormalModeProblem:
-    """The same without the count of decaying solutions, which means nothing where the interior is not Cauchy-stable."""
-    coefficients = Coefficients(values, tuple(symbols))
+    """The same without the count of decaying solutions, which means nothing where the interior is not Cauchy-stable.
+
+    Several questions are asked about the same values one after the other: the last few answers are kept, where the
+    values are rational and nothing irrational was adjoined to them since.
+    """
+    asked = dict(values), tuple(symbols)
+    for known_scheme, known, problem in tuple(_RECENT):
+        if known_scheme is scheme and known == asked and not problem.coefficients.generators:
+            return problem
+    problem = _derived(scheme, *asked)
+    if all(isinstance(value, Fraction) for value in values.values()):
+        _RECENT.append((scheme, asked, problem))
+    return problem
+
+
+_RECENT: deque[tuple[Scheme, tuple[dict[str, Fraction | Root], tuple[str, ...]], NormalModeProblem]] = deque(maxlen=16)
+
+
+def _derived(scheme: Scheme, values: Mapping[str, Fraction | Root], symbols: tuple[str, ...]) -> NormalModeProblem:
+    coefficients = Coefficients(values, symbols)
     resolvent = resolvent_of(scheme, coefficients)
     lowest = {half_line.name: _lowest(scheme, half_line) for half_line in scheme.domains}
     families: list[Family] = []

@@ -44,7 +44,7 @@ def test_what_is_computed_in_doubles_says_so(
     assert "doubles" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("size", ["1e400", "1e9999", "1e-9999"])
+@pytest.mark.parametrize("size", ["1e400", "1e9999"])
 def test_theorems_hold_numbers_of_any_length(size: str, capsys: pytest.CaptureFixture[str]) -> None:
     """Whatever they say of them: the statement, its LaTeX and what the check reads are written out."""
     assert main(["prove", "traditional-1", "-p", f"alpha={size}", "--json", "--limit", "5"]) == 0
