@@ -159,6 +159,7 @@ def spatial_problem(
 
 
 _RECENT: deque[tuple[Scheme, tuple[dict[str, Fraction | Root], tuple[str, ...]], NormalModeProblem]] = deque(maxlen=16)
+"""What was derived last: scheme, values and symbols, problem. A theorem asks half of its questions twice."""
 
 
 def _derived(scheme: Scheme, values: Mapping[str, Fraction | Root], symbols: tuple[str, ...]) -> NormalModeProblem:

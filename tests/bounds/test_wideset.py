@@ -21,6 +21,7 @@ from gks.bounds.curve import curve
 from gks.bounds.located import Located
 from gks.bounds.rayballs import stable_intervals_ball
 from gks.bounds.wideset import wide_stable_set
+from gks.catalogue.interfaces import UNIT, closure_lines, two_media
 from gks.errors import InputError
 from gks.modes.analysis import quick_verdict
 from gks.modes.kreiss import normal_mode_problem
@@ -259,6 +260,25 @@ def test_random_schemes_with_and_without_elimination(draft: Draft) -> None:
     found = wide_stable_set(scheme, scheme.values({}))
     if found.undecided is None and exact.undecided is None:
         agree(found, exact)
+
+
+@pytest.mark.parametrize("time", ["rk4", "ssprk3", "crank-nicolson", "bdf2"])
+def test_a_wave_trapped_without_loss_is_followed_along_its_ray(time: str) -> None:
+    """Central differences, means continued evenly and differences oddly, impedances 1 : 4. The wave has s = 5i/4, which
+    RK4 damps up to lam = sqrt(8)/1.25 and Crank-Nicolson never; by elimination and without."""
+    pairs = [
+        line
+        for v in "us"
+        for line in (f"L.{v}[1] + R.{v}[-1] = L.{v}[0] + R.{v}[0]", f"L.{v}[1] + L.{v}[0] = R.{v}[0] + R.{v}[-1]")
+    ]
+    parameters = 'lam = { role = "cfl", default = "1/2" }'
+    methods = f'space = "central2"\ntime = "{time}"'
+    text = two_media("trapped", parameters, methods, closure_lines(pairs), (UNIT, ("-1/4", "-4")))
+    scheme = parse_scheme(text, "trapped")
+    found = wide_stable_set(scheme, {})
+    agree(found, stable_set(scheme, scheme.values({})))
+    if time == "rk4":
+        assert float(found.intervals[0][1] or 0) == pytest.approx(8**0.5 / 1.25, rel=1e-14)
 
 
 def test_the_semi_discrete_problem_has_its_exact_point_at_s_zero() -> None:
