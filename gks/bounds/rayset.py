@@ -8,7 +8,8 @@ in U(lam). For every named integrator the stable mu = lam s of a direction with 
 
 where a top at which the interior is Cauchy-stable keeps the number of decaying solutions on all of it. The zeros in
 U(top) and in the half-plane are counted and proved by balls (`gks.modes.wide`), a top next to the interior's own limit
-leaves nothing below it uncovered, and what each zero allows along its ray is exact (`gks.bounds.rayballs`).
+leaves nothing below it uncovered, and what each zero allows along its ray is exact (`gks.bounds.rayballs`). A wave
+trapped without loss has its zero on the imaginary axis itself: whether it is damped is a question of the integrator.
 """
 
 from __future__ import annotations
@@ -55,8 +56,9 @@ def ray_set(problem_at: ProblemAt, interior: Sequence[CauchySet]) -> Located:
     half_plane = _zeros(_semi_discrete(sample))
     if isinstance(half_plane, str):
         return nothing_said(half_plane)
-    if limit is None:
-        return _along(method, half_plane, None, 0.0)
+    allowed = _along(method, half_plane, limit, 0.0)
+    if limit is None or (allowed.undecided is None and not allowed.intervals):
+        return allowed  # more zeros allow no more
     why = ""
     for k in NEXT_TO_LIMIT:
         beyond = _zeros(problem_at(least * (1 - Fraction(1, 2**k))))

@@ -262,10 +262,10 @@ def test_random_schemes_with_and_without_elimination(draft: Draft) -> None:
         agree(found, exact)
 
 
-@pytest.mark.parametrize("time", ["rk4", "ssprk3", "crank-nicolson", "bdf2"])
+@pytest.mark.parametrize("time", ["rk4", "ssprk3", "leapfrog", "crank-nicolson", "bdf2"])
 def test_a_wave_trapped_without_loss_is_followed_along_its_ray(time: str) -> None:
     """Central differences, means continued evenly and differences oddly, impedances 1 : 4. The wave has s = 5i/4, which
-    RK4 damps up to lam = sqrt(8)/1.25 and Crank-Nicolson never; by elimination and without."""
+    RK4 damps up to lam = sqrt(8)/1.25 and leapfrog never; by elimination and without."""
     pairs = [
         line
         for v in "us"
