@@ -1,4 +1,4 @@
-"""Roots of polynomials with ball coefficients. Part of the checker."""
+"""Roots of polynomials and determinants of matrices with balls for entries. Part of the checker."""
 
 from __future__ import annotations
 
@@ -50,3 +50,31 @@ def deflated(parts: Sequence[acb]) -> tuple[list[acb], list[acb]]:
             quotient.append(c + root * quotient[-1])
         rest = quotient[::-1]
     return [_sharpened(whole, root) for root in solved(rest)], hits
+
+
+def ball_determinant(matrix: Sequence[Sequence[acb]]) -> acb:
+    """By elimination with the largest pivot; rows that may be zero make the result a ball around 0."""
+    rows = [list(row) for row in matrix]
+    total = acb(1)
+    for k in range(len(rows)):
+        places = [i for i in range(k, len(rows)) if not rows[i][k].contains(0)]
+        if not places:
+            return total * _expanded([row[k:] for row in rows[k:]])
+        best = max(places, key=lambda i: float(abs(rows[i][k]).log().mid()))
+        if best != k:
+            rows[k], rows[best] = rows[best], rows[k]
+            total = -total
+        total *= rows[k][k]
+        for i in range(k + 1, len(rows)):
+            factor = rows[i][k] / rows[k][k]
+            rows[i] = [a - factor * b for a, b in zip(rows[i], rows[k], strict=True)]
+    return total
+
+
+def _expanded(matrix: Sequence[Sequence[acb]]) -> acb:
+    if not matrix:
+        return acb(1)
+    total = acb(0)
+    for j, entry in enumerate(matrix[0]):
+        total += (-1) ** j * entry * _expanded([[v for k, v in enumerate(row) if k != j] for row in matrix[1:]])
+    return total

@@ -15,7 +15,7 @@ from itertools import combinations, product
 
 from flint import acb, ctx, fmpq, fmpz_mpoly, fmpz_poly
 
-from gks.bounds.checkballs import Open, deflated, solved
+from gks.bounds.checkballs import Open, ball_determinant, deflated, solved
 from gks.bounds.checkcauchy import cauchy, limit_holds
 from gks.bounds.checkcurves import characteristic, in_z, kreiss
 from gks.bounds.checkderive import Problem
@@ -280,7 +280,7 @@ class Judge:
             raise Open
 
     def _delta(self, roots: Sequence[Sequence[acb]], at: Mapping[str, acb]) -> acb:
-        return _ball_determinant(self._matrix(roots, at))
+        return ball_determinant(self._matrix(roots, at))
 
     def _matrix(self, roots: Sequence[Sequence[acb]], at: Mapping[str, acb]) -> list[list[acb]]:
         mine = [[acb(0)] * b.zeros + list(roots[b.family]) for b in self.problem.blocks]
@@ -295,7 +295,7 @@ class Judge:
             [sum((a * b.conjugate() for a, b in zip(one, other, strict=True)), acb(0)) for other in kept]
             for one in kept
         ]
-        return not _ball_determinant(gram).contains(0) if gram else True
+        return not ball_determinant(gram).contains(0) if gram else True
 
     def _comes_from_inside(self, symbol: fmpz_mpoly, at: Mapping[str, acb]) -> bool:
         """Whether abs(x) falls below 1 as abs(z) grows: the sign of the real part of d log x / d log z."""
@@ -376,31 +376,3 @@ def _place(z: acb, on_circle: Sequence[acb] | None) -> int:
     if on_circle is not None and not any(z.overlaps(each) for each in on_circle):
         raise Open
     return 0
-
-
-def _ball_determinant(matrix: Sequence[Sequence[acb]]) -> acb:
-    """By elimination with the largest pivot; rows that may be zero make the result a ball around 0."""
-    rows = [list(row) for row in matrix]
-    total = acb(1)
-    for k in range(len(rows)):
-        places = [i for i in range(k, len(rows)) if not rows[i][k].contains(0)]
-        if not places:
-            return total * _expanded([row[k:] for row in rows[k:]])
-        best = max(places, key=lambda i: float(abs(rows[i][k]).log().mid()))
-        if best != k:
-            rows[k], rows[best] = rows[best], rows[k]
-            total = -total
-        total *= rows[k][k]
-        for i in range(k + 1, len(rows)):
-            factor = rows[i][k] / rows[k][k]
-            rows[i] = [a - factor * b for a, b in zip(rows[i], rows[k], strict=True)]
-    return total
-
-
-def _expanded(matrix: Sequence[Sequence[acb]]) -> acb:
-    if not matrix:
-        return acb(1)
-    total = acb(0)
-    for j, entry in enumerate(matrix[0]):
-        total += (-1) ** j * entry * _expanded([[v for k, v in enumerate(row) if k != j] for row in matrix[1:]])
-    return total

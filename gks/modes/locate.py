@@ -24,7 +24,7 @@ def space_of(result: ModesResult, mode: Mode) -> tuple[Eigenspace, bool]:
 
 def _exact(problem: NormalModeProblem, mode: Mode) -> tuple[Eigenspace, bool]:
     found, _ = judged(problem)
-    candidate = next((candidate for each, candidate in found if _same(each, mode)), None)
+    candidate = next((candidate for each, candidate in found if each.meets(mode)), None)
     if candidate is None:
         raise NotAnalysable("the mode is none of this scheme at these values")
     return exact_space(problem, candidate), True
@@ -35,7 +35,7 @@ def _counted(problem: NormalModeProblem, mode: Mode) -> tuple[Eigenspace, bool]:
     proved = True
     for part in decoupled(problem):
         wide = modes_of_part(part, inner=True)
-        place = next((place for each, place in zip(wide.modes, wide.places, strict=True) if _same(each, mode)), None)
+        place = next((place for each, place in zip(wide.modes, wide.places, strict=True) if each.meets(mode)), None)
         if isinstance(place, Candidate):
             return exact_space(problem, place), True
         if place is not None:
@@ -47,9 +47,3 @@ def _counted(problem: NormalModeProblem, mode: Mode) -> tuple[Eigenspace, bool]:
     if not spaces:
         raise NotAnalysable("the mode is none of this scheme at these values")
     return direct_sum(problem, spaces), proved
-
-
-def _same(one: Mode, other: Mode) -> bool:
-    """Whether two modes are one, found at different precisions: the discs of different ones are disjoint."""
-    apart = (one.z[0] - other.z[0]) ** 2 + (one.z[1] - other.z[1]) ** 2
-    return one.kind is other.kind and apart <= (one.radius + other.radius) ** 2

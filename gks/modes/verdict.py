@@ -78,6 +78,13 @@ class Mode:
         """z in double precision; OverflowError beyond its range."""
         return complex(float(self.z[0]), float(self.z[1]))
 
+    def meets(self, other: Mode) -> bool:
+        """Whether the disc of a mode of the same kind overlaps this one's: those of different modes that were told
+        apart are disjoint.
+        """
+        apart = (self.z[0] - other.z[0]) ** 2 + (self.z[1] - other.z[1]) ** 2
+        return self.kind is other.kind and apart <= (self.radius + other.radius) ** 2
+
     def conjugate(self) -> Mode:
         """The mode at the conjugate z, which a scheme with real coefficients has as well."""
         kappa = {name: tuple((real, -imaginary) for real, imaginary in each) for name, each in self.kappa.items()}

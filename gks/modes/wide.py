@@ -63,7 +63,7 @@ class WideModes:
         """Those of an independent part as well; one that no digit tells from a known one is counted with that."""
         known = range(len(self.modes))
         for mode, place in zip(other.modes, other.places, strict=True):
-            twin = next((k for k in known if _same(self.modes[k], mode)), None)
+            twin = next((k for k in known if self.modes[k].meets(mode)), None)
             if twin is not None:
                 self.modes[twin] = _both(self.modes[twin], mode)
             else:
@@ -294,17 +294,12 @@ def _mirrored(found: Found) -> Found:
         return replace(found, w=found.w.conjugate(), z=found.z.conjugate(), roots=roots, mu=mu)
 
 
-def _same(one: Mode, other: Mode) -> bool:
-    apart = max(abs(a - b) for a, b in zip(one.z, other.z, strict=True))
-    return one.kind is other.kind and apart <= one.radius + other.radius
-
-
 def _both(one: Mode, other: Mode) -> Mode:
-    """Two modes as one of a disc that holds both, should they differ in digits that are not known."""
+    """Two modes whose discs overlap as one, of a disc round the first that holds the other's too."""
     return replace(
         one,
         multiplicity=one.multiplicity + other.multiplicity,
-        radius=2 * one.radius + 3 * other.radius,
+        radius=one.radius + 2 * other.radius,
         kappa={name: tuple(dict.fromkeys(one.kappa[name] + other.kappa[name])) for name in one.kappa},
     )
 

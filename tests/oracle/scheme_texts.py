@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from gks.catalogue.interfaces import two_media
+from gks.catalogue.interfaces import closure_lines, two_media
 from gks.scheme.model import Scheme
 from gks.scheme.schemefile import parse_scheme
 
@@ -133,28 +133,7 @@ def coupled_by_penalties(time: str, alpha: str) -> Scheme:
             for k, row in enumerate(STRAND):
                 slope = " + ".join(f"({sign}*({c}))*{domain}.{w}[{sign * m}]" for m, c in row.items())
                 jump = f" - ({sign})*24/17*({other}.{w}[0] - {domain}.{w}[0])" if k == 0 else ""
-                equations.append(f'"dt({domain}.{u}[{sign * k}]) = ({speed})*({slope}{jump})"')
-    return parse_scheme(
-        f"""
-title = "SBP-SAT"
-[parameters]
-lam = {{ role = "cfl", default = 1 }}
-alpha = "{alpha}"
-[interior]
-space = "central4"
-time = "{time}"
-[domains.L]
-side = "left"
-unknowns = ["u", "s"]
-first = 4
-flux = [["0", "-1"], ["-1", "0"]]
-[domains.R]
-side = "right"
-unknowns = ["u", "s"]
-first = 4
-flux = [["0", "-1/alpha"], ["-alpha", "0"]]
-[closure]
-equations = [{", ".join(equations)}]
-""",
-        "SBP-SAT",
-    )
+                equations.append(f"dt({domain}.{u}[{sign * k}]) = ({speed})*({slope}{jump})")
+    parameters = f'lam = {{ role = "cfl", default = 1 }}\nalpha = "{alpha}"'
+    text = two_media("SBP-SAT", parameters, f'space = "central4"\ntime = "{time}"', closure_lines(equations))
+    return parse_scheme(text.replace('unknowns = ["u", "s"]', 'unknowns = ["u", "s"]\nfirst = 4'), "SBP-SAT")
