@@ -86,12 +86,13 @@ def as_double(exact: Fraction | Decimal, name: str) -> float:
     except OverflowError:
         rounded = float("inf")
     if abs(rounded) == float("inf") or (rounded == 0.0 and exact != 0):
-        raise NotAnalysable(
-            message=f"{quoted(name)} is beyond double precision at these parameters",
-            expected="a march computes in doubles",
-            mend="march at milder values",
-        )
+        raise beyond_doubles(f"{quoted(name)} is beyond double precision at these parameters")
     return rounded
+
+
+def beyond_doubles(message: str) -> NotAnalysable:
+    """The refusal of what a march can't hold; ``message`` says what that is."""
+    return NotAnalysable(message, expected="a march computes in doubles", mend="march at milder values")
 
 
 def balanced(matrix: Matrix) -> tuple[Matrix, Matrix]:

@@ -21,7 +21,7 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from gks.errors import NotAnalysable
+from gks.solvers.coefficients import beyond_doubles
 from gks.solvers.problem import Problem, Side
 
 if TYPE_CHECKING:
@@ -50,11 +50,7 @@ def interior_blocks(problem: Problem, side: Side, kappa: Array) -> list[Array]:
             for level, slot, value in row.terms:
                 levels[level][:, equation, slot.unknown] += value * kappa**slot.place
     if not all(numpy.isfinite(level).all() for level in levels):
-        raise NotAnalysable(
-            message=f"the interior coefficients of {side.name} add up to more than the largest double",
-            expected="a march computes in doubles",
-            mend="march at milder values",
-        )
+        raise beyond_doubles(f"the interior coefficients of {side.name} add up to more than the largest double")
     return levels
 
 

@@ -18,6 +18,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from gks.errors import NotAnalysable
+from gks.solvers.coefficients import beyond_doubles
 from gks.solvers.growth import CONFIDENCE, Growth
 from gks.solvers.problem import Problem, build
 from gks.solvers.runs import (
@@ -165,11 +166,7 @@ def march(
         with numpy.errstate(over="raise", divide="raise", invalid="raise"):
             return _marched(scheme, values, cells, steps, seed)
     except FloatingPointError as cause:
-        raise NotAnalysable(
-            message="a number on the way is beyond double precision",
-            expected="a march computes in doubles",
-            mend="march at milder values",
-        ) from cause
+        raise beyond_doubles("a number on the way is beyond double precision") from cause
 
 
 def _marched(
@@ -220,11 +217,7 @@ def _in_doubles(mode: Mode) -> float:
     try:
         return float(mode.modulus)
     except OverflowError as cause:
-        raise NotAnalysable(
-            message="the predicted growth per step is beyond double precision",
-            expected="a march computes in doubles",
-            mend="march at milder values",
-        ) from cause
+        raise beyond_doubles("the predicted growth per step is beyond double precision") from cause
 
 
 def _outgrows(free: March, bound: float) -> bool:
